@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, between, exact_to
+from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, between, exact_to, ite
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
@@ -20,16 +20,18 @@ from safeloc.models.reflector.variables import BALISE_CONTRADICTS
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.stop_point.variables import HOLD, NO_ORDER, PROCEED
 from safeloc.models.vocabulary.reasons import CONTRADICTION
-from safeloc.properties import delocalized
+from safeloc.properties import delocalized, turn_off
 from safeloc.properties.balise.step import LAW as GROUPS
 from safeloc.properties.reflector.figures import LAW as RADAR
 from safeloc.properties.stop_point.place import LAW as BRAKES
+from safeloc.properties.turn_off import LAW as IMAGES
 
 LAW = (
     f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at "
-    f"one place; {BRAKES}"
+    f"one place; {IMAGES}; {BRAKES}"
 )
 REQUIREMENTS = ("RFL-1", "RFL-5", "RFL-9")
+_OF_THE_COURSE = ("course is true", "contradiction")
 _OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
@@ -37,7 +39,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _rejected, _anchored, _distances, _stops)
+    makers = (_host, _rejected, _anchored, _distances, _courses, _stops)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -181,6 +183,72 @@ def _reflector_from_truth(whole: ReflectorDevice, given: BaliseReading, mapped: 
             "the reading and of the survey",
             requirements=("RFL-9", "RFL-6"),
         )
+
+
+# ------------------------------------------------------------------ the course at a switch
+
+
+def _courses(whole: ReflectorDevice) -> Iterator[Property]:
+    machine, own = whole.course.machine, whole.course.own
+    into, source = whole.composition.of(machine), whole.source.machine
+    for claim in turn_off.properties(whole.course):
+        if claim.name in _OF_THE_COURSE:
+            yield whole.composition.inherited(machine, claim)
+    yield for_all_inputs(
+        "a course that is not permitted withdraws the position",
+        into.bool(machine.flag("contradicts")).implies(_restrictive(whole)),
+        statement="in a cycle in which the vehicle is seen on another course than map and movement authority give, the host gets no position",
+        requirements=("RFL-12",),
+    )
+    behind = whole.line.behind
+    place = _in_source_num(whole, source.output("reflector_position_mm"))
+    shown = whole.composition.of(whole.line.machine)
+    yield for_all_inputs(
+        "only the reflector behind the switch shows the course",
+        into.bool(own.measured).iff(
+            all_of([_of_source(whole, "precise"), shown.bool(behind.present), place.eq(shown.num(behind.value))])
+        ),
+        statement="the course is judged by the image of a reflector that is measured in this cycle, and that the map has behind the switch",
+        requirements=("RFL-12",),
+    )
+    yield for_all_inputs(
+        "a switch is taken up only ahead of the interval",
+        into.bool(own.switch.present).implies(into.num(own.switch.value) > into.num(own.high)),
+        statement="a switch is watched only from where the whole interval lies before it",
+        requirements=("RFL-12",),
+    )
+    yield _judged_by(whole)
+    truth = whole.motion.own.ghosts.truth
+    low, high = (exact_to(into.num(one), NM) for one in (own.low, own.high))
+    yield under_assumption(
+        "the course is judged by an interval that holds the front end",
+        between(low, truth, high),
+        statement="the true front end lies in the interval by which the machine judges whether the vehicle is before, on or beyond a switch",
+        requirements=("RFL-12",),
+    )
+
+
+def _judged_by(whole: ReflectorDevice) -> Property:
+    """Both ends are those of the reflector machine's interval; without one, those of the line."""
+    own, into, limit = (
+        whole.course.own,
+        whole.composition.of(whole.course.machine),
+        whole.config.turn_off.position_limit_mm,
+    )
+    position, below, above = (
+        whole.composition.of(whole.source.machine).num(one) for one in _interval(whole.source.machine)
+    )
+    low, high, rear, front = into.num(own.low), into.num(own.high), position - below, position + above
+    reported = (low.eq(rear) | (low.eq(-limit) & (rear < -limit))) & (
+        high.eq(front) | (high.eq(limit) & (front > limit))
+    )
+    return for_all_inputs(
+        "the course is judged by the reported interval",
+        ite(_of_source(whole, "valid"), reported, low.eq(-limit) & high.eq(limit)),
+        statement="before, on and beyond a switch are judged by the ends of the reported interval, as far as they are on the line, and "
+        "by those of the line without one",
+        requirements=("RFL-12",),
+    )
 
 
 # ------------------------------------------------------------------ the stop at a platform

@@ -4,12 +4,14 @@
     balise       judges every telegram by linking and expectation window
     line         no machine on board: the map's next reflector, and the law on its distance from a group
     reflector    anchored by what the balise machine accepted, with that machine's interval; measures reflectors from there
+    turn_off     sees by the reflector behind a switch whether the vehicle turns off
     delocalized  passes the position on, or makes the vehicle restrictive
     stop_point   orders brake and hold at a platform, by the interval that was passed on
 
 All act in one step. A telegram that the balise machine rejects is no reading for the reflector machine. That an accepted one
 holds the front end is not assumed: the containment of the balise machine proves it. Where groups contradict the position, the
-reflector machine, which began from the same groups, withdraws it as well. The order to brake counts from the max safe front end
+reflector machine, which began from the same groups, withdraws it as well. Where the vehicle takes another course than it is
+permitted to, the host gets no position, in the same step. The order to brake counts from the max safe front end
 of the interval that the host gets.
 """
 
@@ -18,11 +20,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, between, ite, maximum
+from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, between, ite, maximum, minimum
 from safeloc.language.machine import Machine
 from safeloc.language.system import canonical
 from safeloc.language.units import MM
-from safeloc.models import balise, delocalized, motion, reflector, stop_point
+from safeloc.models import balise, delocalized, motion, reflector, stop_point, turn_off
 from safeloc.models.localizer.sources import PIECES, Piece
 from safeloc.models.motion import Motion
 from safeloc.models.reflector.world import PRESCRIBED, READING
@@ -31,6 +33,8 @@ from safeloc.models.reflector_device.line import Line, line
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import parts as stop_parts
 from safeloc.models.stop_point.world import REPORTED
+from safeloc.models.turn_off import TurnOff
+from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 
@@ -48,6 +52,7 @@ class ReflectorDevice:
     groups: balise.Balise
     line: Line
     source: reflector.ReflectorMachine
+    course: TurnOff
     restrictive: Machine
     stop: StopPoint
 
@@ -60,6 +65,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     (groups,), (source,) = reading.models, measuring.models
     assert isinstance(groups, balise.Balise) and isinstance(source, reflector.ReflectorMachine)
     map_ = line(config)
+    course = turn_off.build(turn_off.parts(config.turn_off))
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
     stop = stop_point.build(stop_parts(config.stop))
@@ -69,22 +75,24 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         **measuring.wires,
         **_anchor(groups, source),
         **_told(groups, map_, source),
-        **_into_host(groups, measuring, behind),
+        **_into_course(map_, source, course),
+        **_into_host(groups, measuring, course, behind),
         behind.next_truth: moves.own.ghosts.truth,
         **_into_stop(restrictive, source, stop),
         stop.own.next_truth: moves.own.ghosts.truth,
     }
     whole = compose(
         NAME,
-        [moves.machine, groups.machine, map_.machine, source.machine, restrictive, stop.machine],
+        [moves.machine, groups.machine, map_.machine, source.machine, course.machine, restrictive, stop.machine],
         wires,
         shared=moves.shared,
         discharge=[
-            *reading.discharged, *measuring.discharged, Clause(source.machine, READING), Clause(source.machine, PRESCRIBED), restrictive,
+            *reading.discharged, *measuring.discharged, Clause(source.machine, READING), Clause(source.machine, PRESCRIBED),
+            Clause(course.machine, GIVEN), restrictive,
             Clause(stop.machine, REPORTED),
         ],
     )  # fmt: skip
-    return ReflectorDevice(config, whole, moves, groups, map_, source, restrictive, stop)
+    return ReflectorDevice(config, whole, moves, groups, map_, source, course, restrictive, stop)
 
 
 def _counts(groups: balise.Balise) -> Bool:
@@ -100,7 +108,8 @@ def _anchor(groups: balise.Balise, source: reflector.ReflectorMachine) -> dict[V
         **_present(given.identity, counts, groups.own.memory.group),
         **_present(given.position, counts, position),
         **_present(given.accuracy, counts, maximum(below, above)),
-        **_present(given.since, counts, as_num(0, MM)),
+        given.since.present: counts,
+        given.since.value: as_num(0, MM),
     }
 
 
@@ -135,16 +144,32 @@ def _within(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:
     return _present(to, condition & between(to.value.low, value, to.value.high), value)
 
 
-def _into_host(groups: balise.Balise, piece: Piece, behind: delocalized.Parts) -> dict[Var, Expr]:
-    """Return the wires of the restrictive state: an accepted group and a recognised reflector end it."""
-    stated = piece.stated
+def _into_host(groups: balise.Balise, piece: Piece, course: TurnOff, behind: delocalized.Parts) -> dict[Var, Expr]:
+    """Return the wires of the restrictive state: an accepted group and a recognised reflector end it, a course that is not permitted begins it."""
+    stated, astray = piece.stated, course.machine.flag("contradicts")
     return {
-        behind.valid: stated.valid,
+        behind.valid: stated.valid & ~astray,
         behind.reference: stated.reference | _counts(groups) & stated.valid,
-        behind.cause: stated.reason,
+        behind.cause: ite(astray, CONTRADICTION, stated.reason),
         behind.position: stated.position,
         behind.below: stated.below,
         behind.above: stated.above,
+    }
+
+
+def _into_course(map_: Line, source: reflector.ReflectorMachine, course: TurnOff) -> dict[Var, Expr]:
+    """Return the wires of the course: the image of the reflector behind the switch, and the interval, or the whole line without one."""
+    machine, own = source.machine, course.own
+    position, below, above = wired_interval(machine)
+    limit, valid = own.high.high, machine.flag("valid")
+    high = ite(valid, minimum(position + above, limit), as_num(limit, MM))
+    same = map_.behind.present & machine.output("reflector_position_mm").eq(map_.behind.value)
+    return {
+        own.measured: machine.flag("precise") & same,
+        own.lateral: machine.output("lateral_mm"),
+        own.low: ite(valid, maximum(position - below, -limit), as_num(-limit, MM)),
+        own.high: high,
+        **_present(own.switch, map_.switch.present & (map_.switch.value > high), map_.switch.value),
     }
 
 

@@ -11,6 +11,7 @@ from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.stop_point.variables import StopPointConfig
+from safeloc.models.turn_off import TurnOffConfig
 
 LARGEST_ACCURACY_MM = 100_000
 """The reflector machine takes no reading that is less accurate."""
@@ -22,6 +23,7 @@ class ReflectorDeviceConfig(Config):
     motion: MotionConfig = MotionConfig()
     balise: BaliseConfig = BaliseConfig()
     reflector: ReflectorConfig = ReflectorConfig(last_balise_identity=16_777_216, reference_tolerance_mm=25_000)
+    turn_off: TurnOffConfig = TurnOffConfig()
     stop: StopPointConfig = StopPointConfig()
 
     @property
@@ -37,17 +39,16 @@ class ReflectorDeviceConfig(Config):
 
     @model_validator(mode="after")
     def _one_vehicle(self) -> ReflectorDeviceConfig:
-        moves, stop = self.vehicle.motion, self.stop
-        wanted = {
-            "position_limit_mm": moves.position_limit_mm,
-            "max_speed_mm_s": moves.max_speed_mm_s,
-            "tolerance_mm": self.reflector.tolerance_mm,
-        }
-        for figure, value in wanted.items():
-            if getattr(stop, figure) != value:
-                raise ValueError(
-                    f"stop.{figure} is {getattr(stop, figure)}, but the vehicle's is {value} (motion, reflector); make them the same."
-                )
+        moves = self.vehicle.motion
+        line = {"position_limit_mm": moves.position_limit_mm}
+        wanted = line | {"max_speed_mm_s": moves.max_speed_mm_s, "tolerance_mm": self.reflector.tolerance_mm}
+        for name, config, figures in (("turn_off", self.turn_off, line), ("stop", self.stop, wanted)):
+            for figure, value in figures.items():
+                if getattr(config, figure) != value:
+                    raise ValueError(
+                        f"{name}.{figure} is {getattr(config, figure)}, but the vehicle's is {value} (motion, reflector); make "
+                        "them the same."
+                    )
         return self
 
     @model_validator(mode="after")

@@ -5,22 +5,43 @@ from __future__ import annotations
 from safeloc.config import Configurations
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.localizer.configuration import CHECKED
+from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
 
+ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
+"""An odometer that errs at standstill, and by its rate above a speed only."""
 _IDENTITIES = BaliseConfig().last_group_identity
+_DRIFT = "the odometer is one that balises and reflectors take: it does not drift"
+NEVER = {
+    "models/motion/world.py: as_num(0, NM).eq(0) from initially(own.around)": "true, where no unit is checked",
+    "models/motion/world.py: between(-farthest, seen.true_step, farthest) from _vehicle_laws(own)": "the choice has this "
+    "range; the clause names it for the register of assumptions",
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step."
+    "value), as_num(0, MS), sel ...": _DRIFT,
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.odometer.law.growth_nm(abs_("
+    "self.distance), as_num(0, M ...": _DRIFT,
+    "properties/reflector_device.py: _in_source_num(whole, given.since.value).eq(0) from [prop for maker in makers for prop in "
+    "maker(whole)]": "the wire is 0, as it should be; the claim is there for another one",
+}
+"""Case splits that no configuration makes live, and why."""
 CONFIGURATIONS = Configurations(
     {
-        "a second unit checks the distance": ReflectorDeviceConfig(
+        "the first group is believed, and a second unit checks the distance": ReflectorDeviceConfig(
             motion=CHECKED,
-            balise=BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000),
+            balise=BaliseConfig(
+                odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000, trust_first_group=True
+            ),
             reflector=ReflectorConfig(
                 odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
             ),
         ),
-        "the first group is believed, the radar is behind the front end": ReflectorDeviceConfig(
-            balise=BaliseConfig(trust_first_group=True),
-            reflector=ReflectorConfig(radar_offset_mm=2_500, last_balise_identity=_IDENTITIES),
+        "the first group is believed, the odometer errs at standstill, the radar is behind the front end": ReflectorDeviceConfig(
+            motion=MotionConfig(odometer=ERRING),
+            balise=BaliseConfig(odometer=ERRING, trust_first_group=True),
+            reflector=ReflectorConfig(odometer=ERRING, radar_offset_mm=2_500, last_balise_identity=_IDENTITIES),
         ),
-    }
+    },
+    NEVER,
 )

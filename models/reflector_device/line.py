@@ -42,6 +42,7 @@ class Line:
 
     position   the map's next reflector
     reference  its distance from its group by the map; present for the first reflector behind a group
+    switch, behind  the map's next facing switch, and the reflector behind the switch that is watched
     contradicted  the route machine found the route contradicted
     read       the telegram as the antenna read it
     kept       the group that set the balise machine's interval last, and its place on the map, mm
@@ -50,6 +51,8 @@ class Line:
     machine: Machine
     position: Optional
     reference: Optional
+    switch: Optional
+    behind: Optional
     contradicted: BoolVar
     read: Telegram
     kept: tuple[NumVar, NumVar]
@@ -68,6 +71,8 @@ def line(config: ReflectorDeviceConfig) -> Line:
     limit, reach, of_groups = config.reflector.position_limit_mm, config.reflector.range_limit_mm, config.balise
     position = declared.sensor(optional("next_position_mm", MM, -limit, limit))
     reference = declared.sensor(optional("next_reference_mm", MM, 0, reach))
+    switch = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
+    behind = declared.sensor(optional("switch_reflector_mm", MM, -limit, limit))
     contradicted = declared.sensor(boolean("route_contradicted"))
     read = telegram(
         declared,
@@ -91,7 +96,7 @@ def line(config: ReflectorDeviceConfig) -> Line:
         world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),
         doc="The map's next reflector. Assumed: telegram and map tell of one place of it.",
     )
-    return Line(made, position, reference, contradicted, read, kept)
+    return Line(made, position, reference, switch, behind, contradicted, read, kept)
 
 
 def _survey(

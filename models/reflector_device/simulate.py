@@ -27,6 +27,7 @@ from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector_device import NAME, compose_machines
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
+from safeloc.models.turn_off.simulate import SwitchAhead, shift_mm
 from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion
@@ -34,6 +35,7 @@ from safeloc.simulation.motion import Motion
 Steps = list[dict[str, Cell]]
 FOLDER, SEED = Path(__file__).with_name("recordings"), 7
 _OF_THE_MAP = ("next_position_mm", "next_reference_mm", "route_contradicted")
+_NOISE_MM = 100
 """Inputs of the reflector machine that are inputs of the line here."""
 _OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_step_nm", "truth_mm")
 """Names of the balise machine's own steps that the vehicle gives here."""
@@ -49,6 +51,7 @@ class Scene:
     radar         reflectors, and disturbances of the radar
     at_groups     faults of groups, by identity; `odometer`: faults of the odometer `wheel`, in cycles
     contradicted  cycles in which the route machine says that the route is contradicted
+    switch        a facing switch on the way; map and movement authority name the course `authorised` there
     stops         stop points of a platform; the mission selects the first one, and leaves it in the last cycle
     """
 
@@ -58,6 +61,8 @@ class Scene:
     at_groups: Sequence[Fault] = ()
     odometer: Sequence[Fault] = ()
     contradicted: range = field(default=range(0))
+    switch: SwitchAhead | None = None
+    authorised: str = "UNDECIDED"
     stops: tuple[StopPlace, ...] = ()
     says: str = ""
 
@@ -97,6 +102,15 @@ SCENES: Mapping[str, Scene] = {
         RadarScene(LINE, pauses=0, dropout=0),
         stops=(StopPlace(350_000, 10_000, 10_000),),
         says="A stop on the measured distance: the vehicle runs over, repositions backwards, and stands in place.",
+    ),
+    "turn-off": Scene(
+        [(450_000, 15_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        switch=SwitchAhead(330_000, "LEFT", 380_000),
+        authorised="STRAIGHT",
+        says="The vehicle turns off to the left where it is permitted to run straight on. The image of reflector A, behind the switch, moves "
+        "to the right, and the host gets no position from the cycle in which that is seen.",
     ),
 }  # fmt: skip
 """The scenes, by the end of the recordings' names."""
@@ -158,6 +172,7 @@ class _Run:
     def _step(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
         own = {f"balise.{name}": cell for name, cell in read.items() if name not in _OF_THE_VEHICLE}
         step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
+        step |= self._switch(cycle, step)
         given = {name: cell for name, cell in step.items() if name in self._known}
         self._state, _ = self._board.step(self._state, self._board.read(given))
         return step
@@ -181,6 +196,22 @@ class _Run:
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
         whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
         return {f"{'line' if name in _OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
+
+    def _switch(self, cycle: int, step: Mapping[str, Cell]) -> dict[str, Cell]:
+        """Return map and ghosts of the switch in a cycle, and the image of the reflector behind it, which moves as the vehicle turns off."""
+        switch = self._scene.switch
+        if switch is None:
+            return {"turn_off.authorised_course": "UNDECIDED", **_ghosts("STRAIGHT", 0, 0)}
+        shift = shift_mm(self._config.turn_off, switch, int(self._motion.position_nm[cycle]))
+        seen: dict[str, Cell] = {
+            "line.switch_position_mm": switch.position_mm, "line.switch_reflector_mm": switch.reflector_mm,
+            "turn_off.authorised_course": self._scene.authorised, **_ghosts(switch.course, switch.lateral_mm, shift),
+        }  # fmt: skip
+        for name, origin in step.items():
+            if name.endswith("_origin_nm") and origin == switch.reflector_mm * NM_PER_MM:
+                noise = int(self._rng.integers(-_NOISE_MM, _NOISE_MM + 1))
+                seen[name.replace("origin_nm", "lateral_mm")] = switch.lateral_mm + shift + noise
+        return seen
 
     def _platform(self, cycle: int) -> dict[str, Cell]:
         """Return mission, platform and speed in a cycle; without a platform there is nothing to stop at."""
@@ -206,6 +237,12 @@ class _Run:
         if place is None or not found or "telegram_reflector_mm" not in read:
             return found
         return {**found, "next_reference_mm": int(found["next_position_mm"]) - place}
+
+
+def _ghosts(course: str, lateral_mm: int, shift_mm: int) -> dict[str, Cell]:
+    """Return what is really so at a switch."""
+    true: dict[str, Cell] = {"next_true_course": course, "next_true_lateral_mm": lateral_mm, "true_shift_mm": shift_mm}
+    return {f"turn_off.{name}": cell for name, cell in true.items()}
 
 
 def write(folder: Path = FOLDER) -> list[Path]:

@@ -15,12 +15,13 @@ from safeloc.properties import delocalized as delocalized_claims
 from safeloc.properties import reflector as reflector_claims
 from safeloc.properties import reflector_device as claims
 from safeloc.properties import stop_point as stop_claims
+from safeloc.properties import turn_off as course_claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Target, recorded
 
 DOC = (
-    "Odometer, balise reader and radar, with the restrictive state and the stop at a platform behind them, in one step: reflectors "
+    "Odometer, balise reader and radar, with the course at switches, the restrictive state and the stop at a platform behind them, in one step: reflectors "
     "are measured from where the balise machine accepted a group."
 )
 REPORTED = Reported(
@@ -48,6 +49,7 @@ def _members(whole: ReflectorDevice) -> dict[str, tuple[Property, ...]]:
     return {
         whole.groups.machine.name: tuple(balise_claims.properties(whole.groups)),
         whole.source.machine.name: tuple(reflector_claims.properties(whole.source)),
+        whole.course.machine.name: tuple(course_claims.properties(whole.course)),
         whole.restrictive.name: tuple(delocalized_claims.properties(whole.restrictive, whole.config.host)),
         whole.stop.machine.name: tuple(stop_claims.properties(whole.stop)),
     }
@@ -62,7 +64,7 @@ def _simulated(config: ReflectorDeviceConfig, seed: int) -> Sequence[Mapping[str
 ENTRIES = (
     Entry(
         NAME,
-        "balises and reflectors as one device: odometer, balise reader, radar, restrictive state, stop at a platform",
+        "balises and reflectors as one device: odometer, balise reader, radar, course at switches, restrictive state, stop at a platform",
         ReflectorDeviceConfig,
         target,
         Family.MARKERS,

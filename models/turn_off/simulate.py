@@ -83,7 +83,7 @@ class _Run:
         ahead = self._ahead(high)
         meant = ahead if ahead is not None and _measures(reported, ahead) else watched
         measured = meant is not None and _measures(reported, meant)
-        shift = 0 if watched is None else self._shift_mm(watched, truth_nm)
+        shift = 0 if watched is None else shift_mm(self._config, watched, truth_nm)
         place = 0 if meant is None else meant.lateral_mm
         inputs: dict[str, Cell] = {
             "reflector_measured": measured,
@@ -118,15 +118,6 @@ class _Run:
         places = [place for place in self._switches if place > high_mm]
         return self._switches[min(places)] if places else None
 
-    def _shift_mm(self, switch: SwitchAhead, truth_nm: int) -> int:
-        """Return the motion of the image: growing from the switch on, up to a fifth more than the least shift where it must show."""
-        beyond = truth_nm // NM_PER_MM - switch.position_mm
-        if beyond <= 0 or switch.course == "STRAIGHT":
-            return 0
-        share = min(1.0, beyond / max(1.0, 0.8 * self._config.decide_mm))
-        size = round(1.2 * self._config.least_shift_mm * share)
-        return -size if switch.course == "LEFT" else size
-
     def _noise_mm(self) -> int:
         return int(self._rng.uniform(-0.45, 0.45) * self._config.lateral_error_mm)
 
@@ -137,3 +128,13 @@ class _Run:
 def _measures(reported: Mapping[str, Value], switch: SwitchAhead) -> bool:
     """Return whether the reflector machine measures the reflector behind the switch."""
     return bool(reported["precise"]) and reported["reflector_position_mm"] == switch.reflector_mm
+
+
+def shift_mm(config: TurnOffConfig, switch: SwitchAhead, truth_nm: int) -> int:
+    """Return the motion of the image: growing from the switch on, up to a fifth more than the least shift where it must show."""
+    beyond = truth_nm // NM_PER_MM - switch.position_mm
+    if beyond <= 0 or switch.course == "STRAIGHT":
+        return 0
+    share = min(1.0, beyond / max(1.0, 0.8 * config.decide_mm))
+    size = round(1.2 * config.least_shift_mm * share)
+    return -size if switch.course == "LEFT" else size

@@ -10,6 +10,9 @@ from safeloc.language.expr import Bool, Num, between, ite
 from safeloc.language.world import Law, World
 from safeloc.models.turn_off.variables import LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts
 
+GIVEN = "the map gives a switch only while it lies ahead"
+"""The clause that the wire of the switch can guarantee."""
+
 
 def world(own: Parts) -> World:
     """Return the world; the course may change while the vehicle is before the switch."""
@@ -23,7 +26,7 @@ def world(own: Parts) -> World:
             own.place: _place(own),
         },
         clauses={
-            "the map gives a switch only while it lies ahead": _given_ahead(own),
+            GIVEN: _given_ahead(own),
             "a vehicle takes one course": _one_course(own),
             "images are measured within their error": _measured(own),
             "the image rests before the switch": _rests(own),
