@@ -32,13 +32,15 @@ _NAMED = 3
 
 
 def sparing_run(goal: Goal, run: Trace, limits: Limits) -> Trace:
-    """Return a run to the goal that breaks as few laws as the limits allow to find; the given run if none breaks fewer.
+    """Return a run to the goal that breaks as few laws as the limits allow to find; the given run if none is found that breaks fewer.
 
     goal  a goal without the assumption; its `original` has the laws
     run   a run that reaches it
     """
-    ends = deadline(limits.seconds)
-    for sparing in _more_and_more(goal, broken_laws(goal.original, run)):
+    ends, broken = deadline(limits.seconds), broken_laws(goal.original, run)
+    if not broken and begins_lawfully(goal.original, run):
+        return run
+    for sparing in _more_and_more(goal, broken):
         if ends.passed:
             break
         found = search(sparing, replace(limits, depth=len(run.steps) + FURTHER, seconds=ends.left / 2))
@@ -88,14 +90,15 @@ def _in_steps(steps: Sequence[int], every: int) -> str:
 def _more_and_more(goal: Goal, broken: Mapping[ClauseId, Sequence[int]]) -> Iterator[Goal]:
     """Yield the goal for runs that break one law in one step, one law, two, as far as that is fewer than `broken`.
 
-    One law in one step is asked at first of devices and line alone: how the train is run is the last to be called a fault.
+    One law in one step is asked in any case, since the run at hand may be longer, and its other inputs need not be at rest: at
+    first of devices and line alone, since how the train is run is the last to be called a fault.
     """
     times, every = sum(map(len, broken.values())), assumed_clauses(goal.original)
     breakable = {law: every[law] for law, one in laws(goal.original).items() if one.owner not in _NO_DEVICE}
-    if times > 1 and 0 < len(breakable) < len(every):
+    if 0 < len(breakable) < len(every):
         yield _in_few_steps(goal, breakable, 1)
     for most in (1, 2):
-        if most < times:
+        if most == 1 or most < times:
             yield _in_few_steps(goal, every, most)
         if most < len(broken):
             yield _of_few_laws(goal, most)
