@@ -15,6 +15,7 @@ from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.facts import contract_of
+from safeloc.proof.provers.found_run import FoundRun, shown_freely, shown_lawfully
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits, deadline
@@ -68,7 +69,7 @@ def in_known_runs(
     alone = _shown_alone(system, targets, witnesses)
     runs = _known_runs([one.goal for one in targets], limits, recordings, witnesses, alone).runs
     for one in targets:
-        shown_ = _shown(runs[one.goal]) if one.goal in runs else (Unknown("in no known run"), "known runs")
+        shown_ = shown_lawfully(runs[one.goal]) if one.goal in runs else (Unknown("in no known run"), "known runs")
         yield Obligation(one.name, one.statement, *shown_)
 
 
@@ -98,9 +99,9 @@ def beyond_known_runs(
         if one in soon:
             yield soon[one]
         elif one.goal in kept.runs:
-            yield Obligation(one.name, one.statement, *_shown(kept.runs[one.goal]))
+            yield Obligation(one.name, one.statement, *shown_lawfully(kept.runs[one.goal]))
         elif one.free in broken.runs:
-            how = _how_shown(one.free, broken.runs[one.free], _while_kept(kept.depth, excluded))
+            how = shown_freely(one.free, broken.runs[one.free], _while_kept(kept.depth, excluded))
             yield Obligation(one.name, one.statement, *how)
         elif one in dead:
             why = f"a run of the machine alone reaches it ({alone[one].words}), but no run of the composition, whatever the inputs: dead in the composition"
@@ -115,23 +116,11 @@ def _going_on(targets: Sequence[Target], soon: Mapping[Target, Obligation]) -> _
     """Return the goals of all targets, with the runs that are known."""
     verdicts = {one: early.verdict for one, early in soon.items()}
     runs = {
-        one.goal: _Run(verdict.witness, verdict.engine, "")
+        one.goal: FoundRun(verdict.witness, verdict.engine, "")
         for one, verdict in verdicts.items()
         if isinstance(verdict, Proved) and verdict.witness is not None
     }
     return _Looked([one.goal for one in targets], runs)
-
-
-def _shown(run: _Run) -> tuple[Verdict, str]:
-    """Return the verdict for a target that a run reaches under the assumption, and the method."""
-    verdict = Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace)
-    return verdict, f"{run.words} under the assumption"
-
-
-def _how_shown(free: Goal, run: _Run, while_kept: str) -> tuple[Verdict, str]:
-    """Return the same for a run that was looked for without the assumption, which may keep it all the same."""
-    breaks, (verdict, lawful) = how_it_breaks(free.original, run.trace), _shown(run)
-    return verdict, f"a defence: {run.words} that {breaks}; {while_kept}" if breaks else lawful
 
 
 def _while_kept(depth: int, excluded: bool) -> str:
@@ -143,20 +132,11 @@ def _while_kept(depth: int, excluded: bool) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class _Run:
-    """A run to a target, the engine that found it, and a description."""
-
-    trace: Trace
-    engine: str
-    words: str
-
-
-@dataclass(frozen=True, eq=False)
 class _Looked:
     """Goals, runs to some of them, those that are proved unreachable, and the number of steps searched completely for the others."""
 
     goals: Sequence[Goal]
-    runs: Mapping[Goal, _Run]
+    runs: Mapping[Goal, FoundRun]
     excluded: Container[Goal] = ()
     depth: int = -1
 
@@ -167,7 +147,7 @@ class _Looked:
 
     def also(self, found: Mapping[Goal, Trace], engine: str, words: str) -> _Looked:
         """Return the result with further runs."""
-        return replace(self, runs={**self.runs, **{goal: _Run(run, engine, words) for goal, run in found.items()}})
+        return replace(self, runs={**self.runs, **{goal: FoundRun(run, engine, words) for goal, run in found.items()}})
 
 
 def _known_runs(
@@ -245,7 +225,7 @@ def _sparing(looked: _Looked, limits: Limits) -> _Looked:
             break
         found = sparing_run(goal, runs[goal].trace, replace(limits, seconds=share))
         if found is not runs[goal].trace:
-            runs[goal] = _Run(found, "bmc", "witness")
+            runs[goal] = FoundRun(found, "bmc", "witness")
     return replace(looked, runs=runs)
 
 

@@ -12,9 +12,9 @@ from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved
 from safeloc.language.world import Law, World
 from safeloc.proof.cores.clauses import ClauseId
+from safeloc.proof.provers.found_run import FoundRun, shown_freely
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
-from safeloc.proof.provers.reachability import _how_shown, _Run
 from safeloc.proof.provers.reachable_targets import targets_of
 from safeloc.proof.provers.sparing_run import begins_lawfully, broken_laws, how_it_breaks, sparing_run
 
@@ -127,7 +127,7 @@ def test_a_run_that_keeps_every_law_is_no_defence() -> None:
     system = withdrawing(WHEEL > 2)
     at_hand = played(goal_of(system).plain, [{"wheel": 3, "radar": 4, "speed": 4}])
     assert sparing_run(goal_of(system), at_hand, LIMITS) is at_hand
-    verdict, method = _how_shown(goal_of(system), _Run(at_hand, "bmc", "witness"), "not searched")
+    verdict, method = shown_freely(goal_of(system), FoundRun(at_hand, "bmc", "witness"), "not searched")
     assert isinstance(verdict, Proved) and verdict.witness is at_hand
     assert method == "witness under the assumption"
 
