@@ -273,7 +273,8 @@ def _relied_on(system: TransitionSystem, prop: Property) -> TransitionSystem:
     return replace(system, assume=prop.further_assumption, init=first_without_the_world(system))
 
 
-def _is_initially(var: Var, value: Value) -> Bool:
+def is_initially(var: Var, value: Value) -> Bool:
+    """Return the condition that a variable has this value."""
     if isinstance(var, NumVar):
         return var.eq(int(value))
     return var if value else ~var
@@ -292,7 +293,7 @@ class _Observer:
     def on(self, plain: TransitionSystem) -> TransitionSystem:
         """Return the system with the observer variables that have been made so far."""
         moved, initial = {**plain.next, **self.moves}, {**plain.initial, **self.initial}
-        first = all_of([plain.init, *(_is_initially(var, value) for var, value in self.initial.items())])
+        first = all_of([plain.init, *(is_initially(var, value) for var, value in self.initial.items())])
         return replace(plain, state=(*plain.state, *self.moves), next=moved, init=first, initial=initial)
 
     def goal(self, prop: Property, waiting: NumVar | None) -> Bool:
@@ -396,7 +397,7 @@ def watch(system: TransitionSystem, goals: Sequence[Goal]) -> Watch:
             moves[var], initial[var] = goal.system.next[var], goal.system.initial[var]
             observers.append(var)
             value = goal.system.initial[var]
-            terms.append(_is_initially(var, value if isinstance(value, (int, bool)) else 0))
+            terms.append(is_initially(var, value if isinstance(value, (int, bool)) else 0))
     state = (*system.state, *observers)
     merged = replace(system, state=state, next=moves, initial=initial, init=all_of(terms))
     return Watch(merged, tuple(goals), tuple(observers))

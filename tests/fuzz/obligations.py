@@ -221,7 +221,7 @@ def _reached(case: Case, one: Obligation) -> str:
 
 BY_ITSELF = re.compile(
     r"of the machine by itself, (?:a defence: )?witness of (?P<steps>\d+) steps "
-    r"(?:(?P<under>under its assumption)|with its assumption broken); "
+    r"(?:(?P<under>under its assumption)|that (?:begins in a state that its world excludes|[^;]*breaks [^;]+)); "
     r"(?:none of the whole in (?P<none>\d+) steps|(?P<never>proved impossible in the whole while the assumption is kept)"
     r"|the whole was not searched in time)"
 )

@@ -49,7 +49,7 @@ CHECKS: dict[str, Check] = {
 """The checks that are one task each; modes and transitions take two, and the cases of properties have a search of their own."""
 REACHABLE, CASES = "reachable", "cases"
 ORDER = ("ranges", "overflow", "division", "overlap", "absence", REACHABLE, "assumption", CASES)
-SEARCHES = 4  # searches of one check, each with the full time limit; and one more for each machine
+SEARCHES = 5  # searches of one check, each with the full time limit; and one more for each machine
 
 
 def obligations(

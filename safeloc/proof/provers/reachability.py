@@ -15,6 +15,7 @@ from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.facts import contract_of
+from safeloc.proof.provers.found_run import FoundRun, shown_freely, shown_lawfully
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits, deadline
@@ -26,11 +27,14 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Wi
 from safeloc.proof.provers.relevance import Relevance
 from safeloc.proof.provers.searches import AT_FIRST, first_runs, sparing_runs
 from safeloc.proof.provers.spacer import spacer
+from safeloc.proof.provers.sparing_run import how_it_breaks, sparing_run
 
 EXCLUSION, EXCLUSION_OF_ONE, EXCLUSION_OF_LAWFUL = 0.2, 0.6, 0.05
 """Share of the limit for excluding goals that read the same machines, those of one machine, and those of a composition that a run of
 one machine under its assumption reaches: few of these are impossible in the whole. The goals left after it are searched.
 """
+SHIPPED = "witness"
+"""The engine of a run that ships with the machine."""
 SHALLOW = 3
 """Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
 _LEAPS = (3, 6)
@@ -65,7 +69,7 @@ def in_known_runs(
     alone = _shown_alone(system, targets, witnesses)
     runs = _known_runs([one.goal for one in targets], limits, recordings, witnesses, alone).runs
     for one in targets:
-        shown_ = _shown(runs[one.goal], "") if one.goal in runs else (Unknown("in no known run"), "known runs")
+        shown_ = shown_lawfully(runs[one.goal]) if one.goal in runs else (Unknown("in no known run"), "known runs")
         yield Obligation(one.name, one.statement, *shown_)
 
 
@@ -95,9 +99,10 @@ def beyond_known_runs(
         if one in soon:
             yield soon[one]
         elif one.goal in kept.runs:
-            yield Obligation(one.name, one.statement, *_shown(kept.runs[one.goal], ""))
+            yield Obligation(one.name, one.statement, *shown_lawfully(kept.runs[one.goal]))
         elif one.free in broken.runs:
-            yield Obligation(one.name, one.statement, *_shown(broken.runs[one.free], _defence(kept.depth, excluded)))
+            how = shown_freely(one.free, broken.runs[one.free], _while_kept(kept.depth, excluded))
+            yield Obligation(one.name, one.statement, *how)
         elif one in dead:
             why = f"a run of the machine alone reaches it ({alone[one].words}), but no run of the composition, whatever the inputs: dead in the composition"
             yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
@@ -111,38 +116,19 @@ def _going_on(targets: Sequence[Target], soon: Mapping[Target, Obligation]) -> _
     """Return the goals of all targets, with the runs that are known."""
     verdicts = {one: early.verdict for one, early in soon.items()}
     runs = {
-        one.goal: _Run(verdict.witness, verdict.engine, "")
+        one.goal: FoundRun(verdict.witness, verdict.engine, "")
         for one, verdict in verdicts.items()
         if isinstance(verdict, Proved) and verdict.witness is not None
     }
     return _Looked([one.goal for one in targets], runs)
 
 
-def _shown(run: _Run, defence: str) -> tuple[Verdict, str]:
-    """Return the verdict for a target that a run reaches, and the method."""
-    method = (
-        f"a defence: {run.words} with the assumption broken, {defence}"
-        if defence
-        else f"{run.words} under the assumption"
-    )
-    return Proved(None, run.engine, len(run.trace.steps), ("interpreter",), witness=run.trace), method
-
-
-def _defence(depth: int, excluded: bool) -> str:
+def _while_kept(depth: int, excluded: bool) -> str:
     searched = f"not found in {depth} steps" if depth >= 0 else "not searched in time"
-    return f"{'proved impossible' if excluded else searched} while it is kept"
+    return f"{'proved impossible' if excluded else searched} while the assumption is kept"
 
 
 # ------------------------------------------------------------------ looking for runs
-
-
-@dataclass(frozen=True, eq=False)
-class _Run:
-    """A run to a target, the engine that found it, and a description."""
-
-    trace: Trace
-    engine: str
-    words: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +136,7 @@ class _Looked:
     """Goals, runs to some of them, those that are proved unreachable, and the number of steps searched completely for the others."""
 
     goals: Sequence[Goal]
-    runs: Mapping[Goal, _Run]
+    runs: Mapping[Goal, FoundRun]
     excluded: Container[Goal] = ()
     depth: int = -1
 
@@ -161,7 +147,7 @@ class _Looked:
 
     def also(self, found: Mapping[Goal, Trace], engine: str, words: str) -> _Looked:
         """Return the result with further runs."""
-        return replace(self, runs={**self.runs, **{goal: _Run(run, engine, words) for goal, run in found.items()}})
+        return replace(self, runs={**self.runs, **{goal: FoundRun(run, engine, words) for goal, run in found.items()}})
 
 
 def _known_runs(
@@ -178,7 +164,7 @@ def _known_runs(
     looked = _Looked(goals, {})
     if not goals:
         return looked
-    looked = looked.also(shown(goals, witnesses.get(goals[0].plain.name, ())), "witness", "a shipped witness")
+    looked = looked.also(shown(goals, witnesses.get(goals[0].plain.name, ())), SHIPPED, "a shipped witness")
     looked = looked.also(shown(looked.left, recordings), "recorded", "a recorded run")
     looked = looked.also(drawn(_without(looked.left, undrawn), limits.seed), "drawn", "a drawn run")
     left = _without(looked.left, undrawn)
@@ -223,7 +209,24 @@ def _without_assumption(
     looked = _excluded(_known_runs(goals, limits, witnesses=witnesses), always, limits)
     near = [goal for goal in looked.left if goal not in looked.excluded]
     found = _leaping(near, limits, [run.trace for run in lawful.runs.values()], modes) if near else {}
-    return _searched(looked.also(found, "bmc", "witness"), limits)
+    return _sparing(_searched(looked.also(found, "bmc", "witness"), limits), limits)
+
+
+def _sparing(looked: _Looked, limits: Limits) -> _Looked:
+    """Put a run that breaks few laws in the place of each run that was drawn or searched; a shipped one has been looked for so before.
+
+    All goals together get the limit once more.
+    """
+    ends, runs = deadline(limits.seconds), dict(looked.runs)
+    left = [goal for goal, run in runs.items() if run.engine != SHIPPED]
+    for number, goal in enumerate(left):
+        share = ends.left / (len(left) - number)
+        if not share:
+            break
+        found = sparing_run(goal, runs[goal].trace, replace(limits, seconds=share))
+        if found is not runs[goal].trace:
+            runs[goal] = FoundRun(found, "bmc", "witness")
+    return replace(looked, runs=runs)
 
 
 def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes: Sequence[Goal]) -> dict[Goal, Trace]:
@@ -401,7 +404,8 @@ def _runs_alone(
             yield theirs, (f"witness of {len(run.steps)} steps under its assumption", run)
         elif mine.free in unlawful:
             run = unlawful[mine.free].trace
-            yield theirs, (f"a defence: witness of {len(run.steps)} steps with its assumption broken", run)
+            breaks, words = how_it_breaks(mine.free.original, run), f"witness of {len(run.steps)} steps"
+            yield theirs, (f"a defence: {words} that {breaks}" if breaks else f"{words} under its assumption", run)
 
 
 def _searched_lawfully(looked: _Looked, goals: Mapping[Goal, Goal], limits: Limits, witnesses: Witnesses) -> _Looked:

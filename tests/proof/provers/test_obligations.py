@@ -153,7 +153,8 @@ def test_a_dead_transition_is_violated_and_a_defence_is_not() -> None:
     found = _found(guarded())
     defence, dead = found["transition guarded: defence"], found["transition guarded: dead"]
     assert isinstance(defence.result, Proved)
-    assert defence.method == "a defence: a drawn run with the assumption broken, proved impossible while it is kept"
+    how = "a defence: witness that breaks one law: 'assumption' in step 1"
+    assert defence.method == f"{how}; proved impossible while the assumption is kept"
     assert isinstance(dead.result, Violated)
     assert dead.result.reason == "never occurs, whatever the inputs: dead; remove it or mend its guard"
 
