@@ -12,9 +12,8 @@ from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, as_num, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector import build
+from safeloc.models.reflector import build, table
 from safeloc.models.reflector import cycle as cycles
-from safeloc.models.reflector import table
 from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.cycle import Judgement
 from safeloc.models.reflector.echo import Recognition, Situation
