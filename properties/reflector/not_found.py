@@ -21,7 +21,7 @@ under_assumption = partial(
 
 def not_found(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties of missing reflectors and implausible input."""
-    for maker in (_in_time, _reference_in_time, _not_before, _reference_not_before, _ends, _unfit, _route):
+    for maker in (_in_time, _reference_in_time, _not_before, _reference_not_before, _ends, _found_last, _unfit, _route):
         yield from maker(model)
 
 
@@ -95,6 +95,21 @@ def _ends(model: ReflectorMachine) -> Iterator[Property]:
             model.in_mode("NOT_READY") & ~machine.flag("ready") & model.own.error.eq(NOT_FOUND)
         ),
         statement="if a reflector is not found at its place on the map, the machine is not ready and reports an error",
+    )
+
+
+def _found_last(model: ReflectorMachine) -> Iterator[Property]:
+    """Yield the properties of the memory of the reflector found last: by it the next one counts as passed unseen, or as found."""
+    own, nothing = model.own, model.own.found.eq(model.own.found.low)
+    yield for_all_inputs(
+        "the reflector found last is stored",
+        own.recognised.implies(own.found.eq(own.target.position)),
+        statement="when a reflector comes into view, its place on the map is stored as that of the reflector found last",
+    )
+    yield for_all_inputs(
+        "without a reflector found the last one stays",
+        (~own.recognised).implies(nothing | own.found.eq(before(own.found))),
+        statement="without another reflector in view the one found last stays stored, or is forgotten",
     )
 
 

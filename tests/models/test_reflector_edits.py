@@ -12,7 +12,7 @@ from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, as_num, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector import build
+from safeloc.models.reflector import build, table
 from safeloc.models.reflector import cycle as cycles
 from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.cycle import Judgement
@@ -73,6 +73,13 @@ EDITS: Edits = {
     "not found 100 m early": (
         Reflector, "over", lambda r, _, held, run: held.low > r.search_ends(run - 100 * M),
         "not found is reported only beyond the search run"),
+    "the reflector found is not stored": (
+        vars(table)["_Groups"], "seen", lambda _g, right, *_a: {var: term for var, term in right.items() if var.name != "last_found_mm"},
+        "the reflector found last is stored"),
+    "the reflector found is stored a metre on": (
+        vars(table)["_Groups"], "seen",
+        lambda _g, right, *_a: {var: term + M if var.name == "last_found_mm" else term for var, term in right.items()},
+        "the reflector found last is stored"),
     "passed unseen and not said": (Judgement, "passed_unseen", lambda _c, _r: FALSE, "nothing is skipped"),
     "passed unseen whatever was found": (
         Judgement, "passed_unseen", lambda c, _: c.own.ahead.known & c.own.ahead.reflector.over(c.held, CONFIG.search_run_mm),
