@@ -68,9 +68,9 @@ ENTRIES = (
         ReflectorDeviceConfig,
         target,
         Family.MARKERS,
-        place=60,
+        place=70,
         configurations=CONFIGURATIONS,
         silent=("reflector",),
-        records_of={"front_wheel_mm": "motion.odometer_mm", "front_radar_mm": "motion.check_mm"},
+        records_of={"front_wheel_mm": "motion.odometer_mm"},
     ),
 )
