@@ -36,6 +36,7 @@ from safeloc.language.nodes import (
     Truth,
     Var,
 )
+from safeloc.language.render import names_of_outputs
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Sharing, Substitution, in_order, variables
@@ -227,7 +228,7 @@ def claims(parts: Parts, properties: tuple[Property, ...]) -> list[dict[str, Any
     settled = Substitution(earlier)
     before = {var: parts.before[state] for state, var in first.items() if state in parts.before}
     fired: dict[Var, _Leaf] = {var: (_FIRED, place) for place, var in enumerate(system.fired)}
-    outputs = {name: one for name, one in system.outputs.items() if not isinstance(one, (NumVar, BoolVar))}
+    outputs = {name: one for one, name in names_of_outputs(system.outputs, Sharing()).items()}
     terms = Terms(parts, {**parts.after, **parts.inputs, **before, **fired}, outputs)
     asked = [prop for prop in properties if prop.kind != "reachable"]
     known = [prop for prop in asked if all(terms.knows(settled(term)) for term in (prop.term, prop.response))]

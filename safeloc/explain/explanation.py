@@ -10,8 +10,8 @@ from safeloc.explain.failing_parts import Part, failing_parts
 from safeloc.explain.lemma_candidates import tried_lemmas
 from safeloc.explain.mattering_inputs import Row, mattering_rows, open_first, simplest
 from safeloc.language.antecedents import cases
-from safeloc.language.expr import TRUE, BoolVar, Expr, NumVar
-from safeloc.language.render import infix
+from safeloc.language.expr import TRUE
+from safeloc.language.render import infix, names_of_outputs
 from safeloc.language.spec import Property, observe
 from safeloc.language.terms import Sharing
 from safeloc.language.trace import Trace, shown
@@ -90,7 +90,7 @@ def _address(target: Target) -> str:
 def says(target: Target, prop: Property) -> Iterator[str]:
     """Yield what a property says: its statement, its term, its cases, and where it is declared."""
     share = Sharing()
-    names = {share(term): name for term, name in _outputs(target).items()}
+    names = names_of_outputs(target.system.outputs, share)
     yield prop.statement
     yield f"{KINDS[prop.kind]}:"
     yield f"    {infix(share(prop.term), _LONGEST, names, deepest=_DEEPEST)}"
@@ -101,11 +101,6 @@ def says(target: Target, prop: Property) -> Iterator[str]:
         yield f"It requires something only in {one.words}."
     yield f"declared at {prop.src}"
     yield f"requirements: {', '.join(prop.requirements) or 'none named'}"
-
-
-def _outputs(target: Target) -> dict[Expr, str]:
-    """Return the outputs that are computed, with their names, so that a claim shows the name in place of the computation."""
-    return {term: name for name, term in target.system.outputs.items() if not isinstance(term, (NumVar, BoolVar))}
 
 
 def _assumes(target: Target, prop: Property) -> Iterator[str]:
@@ -199,6 +194,11 @@ def violation(run: Trace, prop: Property) -> Iterator[Section]:
     if len(rows) > _MOST_STEPS:
         lines.insert(1, f"... {len(rows) - _MOST_STEPS} more steps")
     yield Section("The inputs that matter; all others are absent, false or nearest to zero", tuple(lines))
+    yield failing_section(run, prop)
+
+
+def failing_section(run: Trace, prop: Property) -> Section:
+    """Return the part of a property's term that fails in the last step of the run, with the values of its parts."""
     parts = failing_parts(run, prop)
     lines = [part_line(one) for one in parts[:_MOST_PARTS]]
     if len(parts) > _MOST_PARTS:
@@ -208,7 +208,8 @@ def violation(run: Trace, prop: Property) -> Iterator[Section]:
             0,
             f"the trigger came in step {len(run.steps) - prop.steps}; this is the response in step {len(run.steps)}, the last one in time:",
         )
-    yield Section("The part that fails, with its values", tuple(lines))
+    where = f"in step {len(run.steps)}" if run.steps else "in the first state"
+    return Section(f"The part that fails {where}, with its values", tuple(lines))
 
 
 def _row(row: Row) -> str:

@@ -10,7 +10,7 @@ from safeloc.errors import PropertyError
 from safeloc.language.expr import Bool, BoolVar, Expr, Lit, Num, NumVar, Var
 from safeloc.language.interpret import Program, start, step
 from safeloc.language.nodes import And, Choose, ChooseBool, Compare, Not, Or, Truth, Value
-from safeloc.language.render import infix
+from safeloc.language.render import infix, names_of_outputs
 from safeloc.language.spec import Property, StepReading, step_reading
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import Sharing, children, in_order
@@ -54,7 +54,7 @@ def failing_parts(trace: Trace, prop: Property) -> list[Part]:
 def with_outputs(system: TransitionSystem, prop: Property) -> tuple[Property, dict[Expr, str]]:
     """Return the property, and the names of the computed outputs by the terms in it that are equal to them."""
     share = Sharing()
-    names = {share(term): name for name, term in system.outputs.items() if not isinstance(term, (NumVar, BoolVar))}
+    names = names_of_outputs(system.outputs, share)
     return replace(prop, term=share.bool(prop.term), response=share.bool(prop.response)), names
 
 

@@ -79,12 +79,12 @@ def test_no_property_is_violated() -> None:
     """In no step of this run."""
     claims = [one for one in TARGET.properties if one.kind != "reachable"]
     verdicts = check_all(run(TARGET.system, STEPS, first=FIRST), claims)
-    violated = [claim.name for claim, verdict in zip(claims, verdicts, strict=True) if isinstance(verdict, Violated)]
-    assert violated == []
+    for claim, verdict in zip(claims, verdicts, strict=True):
+        assert not isinstance(verdict, Violated), f"{claim.name}: {verdict.trace and verdict.trace.table()}"
 
 
 def test_the_machine_moves_as_it_did() -> None:
-    """In every step the same transitions fire."""
+    """In every step the same transitions fire. Delete this test if the run was saved of a machine that had to be mended."""
     assert [list(step.fired.values()) for step in run(TARGET.system, STEPS, first=FIRST).steps] == FIRED
 '''
     return head, "\nSTEPS = [\n", "]\nFIRED = [\n", tail

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from safeloc.explain.explanation import Explanation, Section, says, violation
+from safeloc.explain.explanation import Explanation, Section, failing_section, says, violation
 from safeloc.explain.margin import least_margin
 from safeloc.explain.mattering_inputs import Row, mattering_rows, open_first, simplest
 from safeloc.language.monitor import check
@@ -53,7 +54,7 @@ def _verdict(result: Result, run: Trace | None, prop: Property, path: Path) -> s
 def _evidence(run: Trace, prop: Property, result: Result) -> tuple[list[Section], Trace | None]:
     if isinstance(result, Violated) and result.trace is not None:
         simple = simplest(result.trace, prop, _SECONDS)
-        return [_in_the_recording(result.trace, prop), *violation(simple, prop)], simple
+        return [*_in_the_recording(result.trace, prop), *_simpler(simple, prop)], simple
     if isinstance(result, Held) and prop.kind == "always":
         return list(_nearest(run, prop)), None
     return [], None
@@ -62,13 +63,22 @@ def _evidence(run: Trace, prop: Property, result: Result) -> tuple[list[Section]
 # ------------------------------------------------------------------ violated
 
 
-def _in_the_recording(run: Trace, prop: Property) -> Section:
-    """Return the inputs that matter at the steps of the recording: all others are put to rest, and no step is left out."""
+def _in_the_recording(run: Trace, prop: Property) -> Iterator[Section]:
+    """Yield the part that fails, and the inputs that matter at the steps of the recording: all others are put to rest, and no
+    step is left out."""
+    yield failing_section(run, prop)
     kept = rested(observe(run.system, prop), open_first(run), [step.inputs for step in run.steps], _SECONDS)
     rows = mattering_rows(kept)
     names = dict.fromkeys(name for row in rows for name in row.inputs)
     lines = tuple(_span(name, rows) for name in names) or ("none: with all inputs at rest it is violated as well",)
-    return Section("The recorded inputs that matter; with all others at rest, the same step violates it", lines)
+    yield Section("The recorded inputs that matter; with all others at rest, the same step violates it", lines)
+
+
+def _simpler(simple: Trace, prop: Property) -> Iterator[Section]:
+    """Yield the explanation of the simplest run that was found; the headings say that it is another one than the recording."""
+    steps = "1 step" if len(simple.steps) == 1 else f"{len(simple.steps)} steps"
+    for one in violation(simple, prop):
+        yield replace(one, heading=f"In a simpler run, of {steps}: {one.heading[0].lower()}{one.heading[1:]}")
 
 
 def _span(name: str, rows: Sequence[Row]) -> str:

@@ -23,6 +23,7 @@ from safeloc.language.nodes import (
     Sub,
     Truth,
 )
+from safeloc.language.terms import Sharing
 from safeloc.language.units import ONE, Enumeration
 
 _DEEPEST = 7
@@ -37,6 +38,16 @@ def infix(term: Expr, most: int = 160, names: Mapping[Expr, str] | None = None, 
     if text.startswith("(") and text.endswith(")") and _closes_at_end(text):
         text = text[1:-1]
     return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def names_of_outputs(outputs: Mapping[str, Expr], share: Sharing) -> dict[Expr, str]:
+    """Return the names of the outputs that are computed, by their terms after sharing; equal terms have all their names."""
+    names: dict[Expr, str] = {}
+    for name, term in outputs.items():
+        if not isinstance(term, (NumVar, BoolVar)):
+            one = share(term)
+            names[one] = f"{names[one]}, {name}" if one in names else name
+    return names
 
 
 def _closes_at_end(text: str) -> bool:

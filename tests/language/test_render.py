@@ -27,7 +27,7 @@ from safeloc.language.expr import (
     product,
 )
 from safeloc.language.machine import Machine
-from safeloc.language.render import infix
+from safeloc.language.render import infix, names_of_outputs
 from safeloc.language.spec import once, previous, since
 from safeloc.language.system import lower
 from safeloc.language.terms import Sharing, in_order, variables
@@ -150,3 +150,10 @@ def test_every_constant_of_a_short_guard_is_shown(machine: Machine) -> None:
         for node in in_order([t.when]):
             if isinstance(node, Lit) and node.value != 0 and "…" not in text:
                 assert node.label in text
+
+
+def test_equal_outputs_have_all_their_names() -> None:
+    """One term that two outputs show is not told under the name of one of them; what is a variable has its own name."""
+    level = number("level_mm", MM, 0, 9)
+    outputs = {"below_mm": level + 1, "level_mm": level, "above_mm": level + 1, "double_mm": 2 * level}
+    assert ["below_mm, above_mm", "double_mm"] == list(names_of_outputs(outputs, Sharing()).values())
