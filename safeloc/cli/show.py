@@ -105,7 +105,7 @@ def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
 
 def _pages_to_read(findings: Sequence[Finding]) -> list[str]:
     """Return the pages of the documentation that help with these findings."""
-    undecided = any(isinstance(one.result, Unknown) for one in findings)
+    undecided = any(isinstance(one.result, Unknown) and one.kind != "replay" for one in findings)
     empty = any(
         isinstance(one.result, Vacuous)
         or (isinstance(one.result, Violated) and one.id.rpartition("/")[2] in _OF_THE_ASSUMPTION)
@@ -169,7 +169,8 @@ def _evidence(finding: Finding) -> None:
             if trace is not None:
                 out.print(trace.table(_SHOWN_STEPS), markup=False)
         case Unknown(reason) as unknown:
-            out.print(f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)} ({unknown.searched})")
+            how_far = "" if finding.kind == "replay" else f" ({unknown.searched})"  # of one run nothing is searched
+            out.print(f"\n[yellow]unknown[/] {_escape(finding.id)}: {_escape(reason)}{how_far}")
         case Vacuous(reason, trace):
             out.print(f"\n[magenta]vacuous[/] {_escape(finding.id)}: {_escape(reason)}")
             if trace is not None:

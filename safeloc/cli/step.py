@@ -39,7 +39,7 @@ hold NAME=VALUE ...   the same in every step from now on, also over a recording:
 release NAME ...      hold it no more
 rows                  the transitions of this mode: which fires, and what keeps the others from it
 inputs  state  outputs  [WORD]   their values now; with a word, those that have it in their name
-watch NAME ...        show these after every step; `watch` alone: nothing
+watch NAME ...        show these after each command that takes steps; `watch` alone: nothing
 broken                the properties that the run has broken; each is told at once, when a step breaks it
 back [N]              take back one step, or N
 save FILE             write the run as a stream for `safeloc replay`; save FILE.py: as a test for pytest
