@@ -20,7 +20,8 @@ from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
 from safeloc.report.run_page import machine_script
 from safeloc.runtime.scripts import read_script
-from tests.report import keeper
+from safeloc.runtime.streams.steps import read_steps, write_steps
+from tests.report import keeper, tandem
 from tests.report.browser import DESK, ENTER, PHONE, RIGHT, Page, browser, opened, page
 
 __all__ = ["browser", "page"]  # fixtures
@@ -44,6 +45,17 @@ def odometry(tmp_path_factory: pytest.TempPathFactory) -> Path:
     service = [path for path in target.streams if "service" in path.name]
     path = tmp_path_factory.mktemp("odometry") / "page.html"
     path.write_text(recordings_page(target, service, made="now"), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def composition(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a recording of two machines, which leaves one of their inputs out."""
+    folder = tmp_path_factory.mktemp("tandem")
+    stream = folder / "ride.jsonl"
+    write_steps(stream, tandem.RUN, machine="tandem")
+    path = folder / "page.html"
+    path.write_text(recordings_page(tandem.target, [stream], made="now"), encoding="utf-8")
     return path
 
 
@@ -227,6 +239,47 @@ def test_until_the_position_is_withdrawn(page: Page, odometry: Path) -> None:
     assert 420 < int(page.js("document.getElementById('run-slider').value"))
     page.click("#run-if-on")
     assert "no position is valid at step" in page.text("#run-if-flaw")
+    assert page.said() == []
+
+
+# ------------------------------------------------------------------ a composition
+
+
+def saved(page: Page, button: str) -> str:
+    """Press a button that saves, and return the text of the file."""
+    page.js("(window.kept = null, window.made ??= URL.createObjectURL, URL.createObjectURL = b => (b.text().then(t => (window.kept = t)), window.made.call(URL, b)))")  # fmt: skip
+    page.click(button)
+    return str(page.until("window.kept"))
+
+
+def test_a_step_of_a_composition_is_taken_back(page: Page, composition: Path, tmp_path: Path) -> None:
+    """With an input that no recording has: it goes one step back, also of a chosen machine, and what is saved holds every step."""
+    at(page, composition, "ride", 4)
+    branched(page)
+    chosen(page, "run-if-how", "repeat")
+    filled(page, "run-input-counter.moved_mm", "250")
+    filled(page, "run-if-most", "3")
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-slider').max === '7'")
+    filled(page, "run-input-watcher.extra_mm", "12")
+    for _ in range(2):
+        page.click("#run-if-take")
+    page.until("document.getElementById('run-slider').max === '9'")
+    page.click("#run-if-back")
+    page.until("document.getElementById('run-slider').max === '8'")
+    for machine in ("watcher", "counter"):
+        chosen(page, "run-part", machine)
+        assert page.js("document.getElementById('run-slider').value") == "8"
+        assert "NaN" not in page.js("document.getElementById('run').innerHTML")
+    page.click("#run-if-back")
+    page.until("document.getElementById('run-slider').max === '7'")
+    page.click("#run-if-take")
+    page.until("document.getElementById('run-slider').max === '8'")
+    stream = tmp_path / "saved.jsonl"
+    stream.write_text(saved(page, "#run-if-stream"), encoding="utf-8")
+    taken = {**tandem.row(250), "watcher.extra_mm": 12}
+    assert [dict(one) for one in read_steps(stream).steps] == [*tandem.RUN[:4], *[tandem.row(250)] * 3, taken]
+    assert "warn" in saved(page, "#run-if-test")
     assert page.said() == []
 
 

@@ -10,8 +10,10 @@ class Branch extends Trace {
     this.from = from;
     this.steps = from;
     this.live = new Live(live.machine, this);
+    this.names = { ...trace.names, inputs: [...new Set([...trace.names.inputs, ...this.live.inputs.map(({ name }) => name)])] }; // also those that no stored run has
     this.columns = KINDS.flatMap((kind) => this.names[kind].map((name) => [kind, name]));
-    for (const [kind, name] of this.columns) this.found.set(`${kind} ${name}`, trace.series(kind, name).slice(0, from + 1));
+    const absent = Array(from + 1).fill(null);
+    for (const [kind, name] of this.columns) this.found.set(`${kind} ${name}`, (trace.series(kind, name) ?? absent).slice(0, from + 1));
     this.found.set("truth", trace.truth.slice(0, from + 1));
     this.monitors = this.live.monitors(from).slice(-1);
     this.taken = [];

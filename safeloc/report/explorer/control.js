@@ -312,6 +312,7 @@ function showBranch(data, branch) {
   const { plotted, watched, part } = view;
   showRun(data, branch);
   [view.plotted, view.watched, view.part] = [plotted, watched, part];
+  view.fired = view.firingSteps(); // of the chosen machine alone
   view.fill();
   place("run-verdict").textContent = `a run by hand: other inputs from step ${branch.from + 1} on; no proof speaks of it`;
   place("run-statement").textContent = "";

@@ -80,11 +80,11 @@ class Trace {
 
   series(kind, name) {
     const key = `${kind} ${name}`;
-    if (!this.found.has(key)) {
-      const at = this.names[kind].indexOf(name);
-      const before = kind === "state" ? (this.first.get(name) ?? null) : null;
-      this.found.set(key, at < 0 ? null : [before, ...this.values(this.runs.first[kind] + at)]);
-    }
+    if (this.found.has(key)) return this.found.get(key);
+    const at = this.names[kind].indexOf(name);
+    if (at < 0) return null; // and nothing is kept of it: a branch adds to all that is kept, and takes back from it
+    const before = kind === "state" ? (this.first.get(name) ?? null) : null;
+    this.found.set(key, [before, ...this.values(this.runs.first[kind] + at)]);
     return this.found.get(key);
   }
 
