@@ -245,6 +245,7 @@ def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) 
         "const make = URL.createObjectURL; URL.createObjectURL = (blob) => (blob.text().then((t) => saved.push(t)), make(blob))"
     )
     page.click("#run-if-open")
+    page.js("(document.getElementById('run-if-how').value = 'repeat')")
     assert "violated" not in page.text("#run-verdict")
     assert page.js("document.querySelector('#run-verdict .verdict')") is None
     page.js("document.getElementById('run-input-released').value = 'true'")

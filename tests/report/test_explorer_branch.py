@@ -188,7 +188,7 @@ def test_as_recorded_except_what_is_yours(page: Page, pages: Path) -> None:
     """Inputs that nobody set follow the recording; the one that was set stays until it is given back; the recording's end is said."""
     at(page, pages, "quiet", 0)
     branched(page)
-    chosen(page, "run-if-how", "recorded")
+    assert page.js("document.getElementById('run-if-how').value") == "recorded"
     filled(page, "run-input-age_ms", "5000")
     filled(page, "run-if-most", "4")
     page.click("#run-if-on")
@@ -200,9 +200,16 @@ def test_as_recorded_except_what_is_yours(page: Page, pages: Path) -> None:
     assert page.js("document.getElementById('run-input-age_ms').value") == "1500"
     filled(page, "run-if-most", "100")
     page.click("#run-if-on")
-    page.until("document.getElementById('run-if-flaw').textContent !== ''")
-    assert page.text("#run-if-flaw") == "the recording ends with step 25."
+    page.until("document.getElementById('run-if-note').textContent !== ''")
+    assert page.text("#run-if-note") == "The recording ends with step 25."
+    assert page.js("document.getElementById('run-if-flaw').hidden")
+    assert page.js("getComputedStyle(document.getElementById('run-if-note')).color === getComputedStyle(document.getElementById('run-if-title').parentNode).color")  # fmt: skip
     assert page.js("document.getElementById('run-slider').max") == "25"
+    chosen(page, "run-if-until", "mode")
+    page.click("#run-if-on")
+    assert page.text("#run-if-note") == "The recording ends with step 25; no mode changed."
+    page.click("#run-if-back")
+    assert page.js("document.getElementById('run-if-note').hidden")
     filled(page, "run-if-most", "0")
     page.click("#run-if-on")
     assert page.text("#run-if-flaw") == f"at most 1 to 10{NARROW_SPACE}000 steps can be taken at once."

@@ -258,7 +258,7 @@ function branching(on) {
   place("run").classList.toggle("branching", on);
   place("run-if").hidden = !on;
   if (on) place("run-if-open").hidden = true;
-  place("run-if-flaw").hidden = true;
+  place("run-if-flaw").hidden = place("run-if-note").hidden = true;
 }
 
 function branchOff() {
@@ -269,6 +269,7 @@ function branchOff() {
 
 function begin(branch, live) {
   inputs = new Inputs(place("run-if-inputs"), live);
+  place("run-if-how").value = branch.steps < branch.stored.steps ? "recorded" : "repeat"; // after the recording's end there is nothing to follow
   untils();
   showBranch(view.data, branch);
   refill();
@@ -353,25 +354,23 @@ function goOn() {
   if (!Number.isInteger(most) || most < 1 || most > MOST_STEPS) return sayFlaw(`at most 1 to ${shown(MOST_STEPS, null)} steps can be taken at once.`);
   try {
     const repeated = asRecorded ? null : inputs.given;
-    takeSteps(most, (step) => repeated ?? inputs.over(recordedAt(trace, step)), stopper());
+    takeSteps(most, (step) => repeated ?? (step > trace.stored.steps ? null : inputs.over(trace.storedInputs(step))), stopper());
   } catch (error) {
     sayFlaw(error.message);
   }
 }
 
-function recordedAt(trace, step) {
-  if (step > trace.stored.steps) throw new Error(`the recording ends with step ${trace.stored.steps}.`);
-  return trace.storedInputs(step);
-}
-
+/* `given` tells the inputs of a step, null where the recording has ended. */
 function takeSteps(most, given, isEnough) {
   const { trace, data } = view;
   const [begun, violated] = [trace.steps, trace.broken.length];
-  let [flaw, why] = ["", ""];
+  let [flaw, why, note] = ["", "", ""];
   try {
-    while (!why && trace.steps - begun < most) {
-      trace.take(given(trace.steps + 1), data.signals);
-      if (trace.broken.length > violated) why = "a property is violated";
+    while (!why && !note && trace.steps - begun < most) {
+      const next = given(trace.steps + 1);
+      if (next) trace.take(next, data.signals);
+      if (!next) note = `The recording ends with step ${trace.stored.steps}${notCome()}.`;
+      else if (trace.broken.length > violated) why = "a property is violated";
       else if (isEnough()) why = place("run-if-until").selectedOptions[0].textContent;
     }
   } catch (error) {
@@ -381,7 +380,17 @@ function takeSteps(most, given, isEnough) {
   refill();
   const taken = trace.steps - begun;
   if (most > 1) place("run-if-says").textContent = `${taken} step${taken === 1 ? "" : "s"} taken${why ? `: ${why}` : ""}. ${place("run-if-says").textContent}`;
+  place("run-if-note").hidden = !note;
+  place("run-if-note").textContent = note;
   if (flaw) sayFlaw(flaw);
+}
+
+/* That what the machine should go on until has not come. */
+function notCome() {
+  const until = place("run-if-until").value;
+  if (until === "withdrawn") return "; the position was not withdrawn";
+  if (until === "mode") return "; no mode changed";
+  return until ? `; ${until.slice("output ".length)} did not change` : "";
 }
 
 function sayFlaw(text) {
