@@ -246,8 +246,8 @@ def _far_law(own: Parts, end: int) -> Law:
     far = far_away_mm(own.config) * NM_PER_MM + own.config.vehicle_length_tolerance_mm * NM_PER_MM
     return Law(
         (stray & reader.marker.present & reader.place.present).implies((off > far) | (off < -far)),
-        "A marker that is read although it is not under the reader has a place in the map at least three tolerances away.",
-        ("tolerance_mm",),
+        "A marker that is read although it is not under the reader has a place in the map more than three tolerances, and the tolerance of the vehicle's length, away.",
+        ("tolerance_mm", "vehicle_length_tolerance_mm"),
         "[D] layout: nearer than that, no window could tell it from the marker that is due",
         "infrastructure",
         "layout check of neighbouring tracks; survey of mounted markers",

@@ -21,6 +21,7 @@ from safeloc.explain.pytest_file import run_file_pieces
 from safeloc.proof.runs.lawful import first_state
 from safeloc.report.file_names import file_names
 from safeloc.report.links import Links
+from safeloc.report.told import told_of
 from safeloc.runtime.scripts import script
 from safeloc.target import Target
 
@@ -32,7 +33,7 @@ SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions")
 RUNS = ("runs", "charts", "interval", "strip", "diagram", "parts", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _DEFENCE = "a defence: "
-"""Begins the method of a result whose run shows that the machine withstands a world that breaks its assumption."""
+"""Begins the method of a result whose run breaks a law of the world, to which the machine answers with the transition that is shown."""
 _BREAKS = {"violated", "unknown"}
 """Verdicts whose run breaks the statement in its last step; that of an undecided one begins in a state to which no run need come."""
 _PART = re.compile(r"#\d+")
@@ -131,7 +132,7 @@ def _can_be_loaded(target: Target) -> bool:
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
     broken = [[row["statement"], data["runs"][row["id"]], claim_of(row["id"])]] if row["verdict"] in _BREAKS else []
     is_defence = row["method"].startswith(_DEFENCE)
-    said = {"verdict": row["verdict"], "statement": row["statement"], "at": links.row(row), "broken": broken}
+    said = {"verdict": told_of(row), "statement": row["statement"], "at": links.row(row), "broken": broken}
     return {**said, "defence": True} if is_defence else said
 
 

@@ -142,7 +142,7 @@ function head(data, trace) {
   const { verdict, statement, at } = data.results[result] ?? { verdict: "", statement: "", at: "" };
   place("run-machine").textContent = data.name;
   place("run-title").textContent = result.split("/").slice(2).join("/") || result;
-  place("run-verdict").replaceChildren(element("span", { class: `verdict ${verdict.replace(" ", "-")}` }, verdict), ` ${wordOf(result, trace, data)}`);
+  place("run-verdict").replaceChildren(element("span", { class: `verdict ${verdict.replaceAll(" ", "-")}` }, verdict), ` ${wordOf(result, trace, data)}`);
   place("run-statement").textContent = spoken(statement);
   place("run-back").href = known.alone ? "" : `${known.report}${at ? `#${at}` : ""}`;
   place("run-back").hidden = known.alone;
@@ -160,7 +160,7 @@ function choices(read, result, data) {
 function wordOf(result, trace, data) {
   const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}`;
   if (data.results[result]?.verdict === "unknown") return `a counterexample to induction, ${steps} from a state that keeps all that is proved to one that breaks the property; no run need come there`;
-  if (data.results[result]?.defence) return `a defence: in a run of ${steps} the machine withstands a world that breaks its assumption`;
+  if (data.results[result]?.defence) return `a defence: a run of ${steps} that breaks a law of the world, to which the machine answers in its last step`;
   const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
   const last = broken.at(-1);
   if (broken.length > 1) return `at steps ${broken.slice(0, -1).join(", ")} and ${last} of ${trace.steps}`;
