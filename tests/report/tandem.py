@@ -6,20 +6,28 @@ from safeloc.language.composition import compose
 from safeloc.language.expr import boolean, number, optional
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import never
-from safeloc.language.units import MM
+from safeloc.language.units import MM, NM
 from safeloc.target import Target
 
 STANDS, MOVES = modes("STANDS", "MOVES")
 CALM, ALERT = modes("CALM", "ALERT")
 moved_mm, sum_mm = number("moved_mm", MM, 0, 1000), number("sum_mm", MM, 0, 1_000_000)
+fine_nm = number("fine_nm", NM, 0, 9_000_000_000_000)
+"""As long as the numbers of a true position."""
 counter = Machine(
     name="counter",
     modes=(STANDS, MOVES),
     inputs=[moved_mm],
-    state={sum_mm: 0},
+    state={sum_mm: 0, fine_nm: 4_421_563_453_096},
     outputs={"position_mm": sum_mm, "margin_below_mm": sum_mm + 500, "margin_above_mm": sum_mm + 500},
     transitions=[
-        Transition("move", (STANDS, MOVES), MOVES, (moved_mm > 0) & (sum_mm < 900_000), {sum_mm: sum_mm + moved_mm}),
+        Transition(
+            "move",
+            (STANDS, MOVES),
+            MOVES,
+            (moved_mm > 0) & (sum_mm < 900_000),
+            {sum_mm: sum_mm + moved_mm, fine_nm: fine_nm + 7},
+        ),
         Transition("halt", MOVES, STANDS, moved_mm.eq(0)),
     ],
 )

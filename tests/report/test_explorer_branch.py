@@ -249,6 +249,19 @@ def test_until_the_position_is_withdrawn(page: Page, odometry: Path) -> None:
     assert page.said() == []
 
 
+@pytest.mark.thorough(ordinary=1)
+def test_a_position_that_is_not_withdrawn_is_said(page: Page, odometry: Path) -> None:
+    """Where the recording ends before the position is withdrawn, the page says both."""
+    at(page, odometry, "odometry-service", 100)
+    last = int(page.js("document.getElementById('run-slider').max"))
+    at(page, odometry, "odometry-service", last - 2)
+    branched(page)
+    chosen(page, "run-if-until", "withdrawn")
+    page.click("#run-if-on")
+    page.until("!document.getElementById('run-if-note').hidden")
+    assert page.text("#run-if-note") == f"The recording ends with step {last}; the position was not withdrawn."
+
+
 # ------------------------------------------------------------------ a composition
 
 
@@ -367,6 +380,21 @@ def test_a_branch_too_long_for_a_link_says_so(page: Page, pages: Path) -> None:
 
 
 # ------------------------------------------------------------------ how it looks
+
+
+@pytest.mark.parametrize("width", [(1400, 900), DESK, PHONE], ids=["wide", "desk", "phone"])
+def test_large_numbers_stay_in_their_cells(page: Page, composition: Path, width: tuple[int, int]) -> None:
+    """A true position in nanometres has its whole width, on a desk in one line, and no text runs over its neighbour."""
+    page.size(*width)
+    at(page, composition, "ride", 2)
+    number = NARROW_SPACE.join(("4", "421", "563", "453", "103"))
+    cells = "[...document.querySelectorAll('#run-values td.n')]"
+    assert number in page.js(f"{cells}.map(e => e.textContent)")
+    assert page.js(f"{cells}.filter(e => e.scrollWidth > e.clientWidth).map(e => e.textContent)") == []
+    lines = "(e => { const r = document.createRange(); r.selectNodeContents(e); return new Set([...r.getClientRects()].map(b => b.top)).size })"
+    if width != PHONE:
+        assert page.js(f"{lines}({cells}.find(e => e.textContent === arguments[0]))", number) == 1
+    page.size(*DESK)
 
 
 @pytest.mark.parametrize("width", [(1400, 900), PHONE], ids=["desk", "phone"])
