@@ -70,7 +70,6 @@ ENTRIES = (
         Family.MARKERS,
         place=70,
         configurations=CONFIGURATIONS,
-        silent=("reflector",),
         records_of={"front_wheel_mm": "motion.odometer_mm"},
     ),
 )

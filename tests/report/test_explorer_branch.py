@@ -422,7 +422,7 @@ def test_enter_opens_the_first_name(page: Page, pages: Path) -> None:
 
 
 def test_a_defence_is_called_so(page: Page, tmp_path: Path) -> None:
-    """In the list of runs and above the run: it shows no fault, but that the machine withstands one."""
+    """In the list of runs and above the run: it shows no fault of the machine, but its answer to a law that is broken."""
     withstood = run(keeper.target.system, keeper.QUIET)
     method = "a defence: witness of 25 steps with its assumption broken"
     found = [
@@ -431,7 +431,7 @@ def test_a_defence_is_called_so(page: Page, tmp_path: Path) -> None:
     ]  # fmt: skip
     folder = write_folder(tmp_path, found, [keeper.target]).parent
     opened(page, folder / "run.html", "#result=keeper%2Fobligation%2Fwithstands")
-    assert "a defence: in a run of 25 steps the machine withstands" in page.text("#run-verdict")
+    assert "a defence: a run of 25 steps that breaks a law of the world" in page.text("#run-verdict")
     options = page.js("[...document.querySelectorAll('#run-choice option')].map(e => e.textContent)")
     assert sorted(options) == ["obligation/withstands (25, defence)", "property/shown (25)"]
 
