@@ -82,6 +82,7 @@ def _runs_ahead(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
     return advance > out["motion.distance_mm"]
 
 
+@pytest.mark.thorough
 def test_sources_lead_where_they_are_best() -> None:
     """Metro: reflector and odometry; main line: satellites, but in the tunnel balises and odometry."""
     fired = {name: set(nominal(name).fired) for name in NOMINAL}
