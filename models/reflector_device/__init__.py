@@ -71,10 +71,10 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     stop = stop_point.build(stop_parts(config.stop))
     wires: dict[Var, Expr] = {
         **reading.wires,
-        **map_.hears(groups.own),
+        **map_.telegram_wires(groups.own),
         **measuring.wires,
         **_anchor(groups, source),
-        **_told(groups, map_, source),
+        **_distances(groups, map_, source),
         **_into_course(map_, source, course),
         **_into_host(groups, measuring, course, behind),
         behind.next_truth: moves.own.ghosts.truth,
@@ -113,7 +113,7 @@ def _anchor(groups: balise.Balise, source: reflector.ReflectorMachine) -> dict[V
     }
 
 
-def _told(groups: balise.Balise, map_: Line, source: reflector.ReflectorMachine) -> dict[Var, Expr]:
+def _distances(groups: balise.Balise, map_: Line, source: reflector.ReflectorMachine) -> dict[Var, Expr]:
     """Return the wires of the reflector's distance: counted from the position that is handed over, no longer from the group."""
     counts, machine, given, ahead = _counts(groups), groups.machine, source.own.balise, source.own.ahead
     position, _, _ = wired_interval(machine)

@@ -57,7 +57,7 @@ class Line:
     read: Telegram
     kept: tuple[NumVar, NumVar]
 
-    def hears(self, sister: BaliseParts) -> dict[Var, Expr]:
+    def telegram_wires(self, sister: BaliseParts) -> dict[Var, Expr]:
         """Return the wires of the telegram and of the kept group to the balise machine."""
         wires: dict[Var, Expr] = {}
         for mine, theirs in zip(self.read.inputs, sister.read.inputs, strict=True):
@@ -94,7 +94,7 @@ def line(config: ReflectorDeviceConfig) -> Line:
         outputs={},
         transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-9",), 0)],
         world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),
-        doc="The map's next reflector. Assumed: telegram and map tell of one place of it.",
+        doc="The map's next reflector. Assumed: telegram and map give one place of it.",
     )
     return Line(made, position, reference, switch, behind, contradicted, read, kept)
 
@@ -105,8 +105,8 @@ def _survey(
     group, place = kept
     most = config.reflector.map_accuracy_mm
 
-    def agrees(told: Optional) -> Bool:
-        return told.present.implies(between(-most, place + told.value - position.value, most))
+    def agrees(distance: Optional) -> Bool:
+        return distance.present.implies(between(-most, place + distance.value - position.value, most))
 
     return Law(
         all_of([_is_read(read, group), position.present]).implies(agrees(read.reflector) & agrees(reference)),

@@ -60,10 +60,12 @@ def least_margin(trace: Trace, prop: Property) -> Margin | None:
             margin = one.margin(known)
             if margin is not None and (least is None or margin < least[0]):
                 least = margin, number, one, known
-    return None if least is None else _told(names, *least)
+    return None if least is None else _as_margin(names, *least)
 
 
-def _told(names: Mapping[Expr, str], margin: int, number: int, one: _Inequality, known: Mapping[Expr, Value]) -> Margin:
+def _as_margin(
+    names: Mapping[Expr, str], margin: int, number: int, one: _Inequality, known: Mapping[Expr, Value]
+) -> Margin:
     term = one.compare if one.wanted else ~one.compare
     sides = [side for side in (one.compare.left, one.compare.right) if not isinstance(side, Lit)]
     values = {infix(side, _LONGEST, names): str(known[side]) for side in sides}
