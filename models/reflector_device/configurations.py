@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from safeloc.config import Configurations
 from safeloc.models.balise.variables import BaliseConfig
-from safeloc.models.localizer.configuration import CHECKED
 from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
-from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.error_law import RADAR, ErrorLaw
 
 ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
 """An odometer that errs at standstill, and by its rate above a speed only."""
+CHECKED_ERRING = MotionConfig(odometer=ERRING, check=RADAR)
 _IDENTITIES = BaliseConfig().last_group_identity
 _DRIFT = "the odometer is one that balises and reflectors take: it does not drift"
 NEVER = {
@@ -28,13 +28,13 @@ NEVER = {
 """Case splits that no configuration makes live, and why."""
 CONFIGURATIONS = Configurations(
     {
-        "the first group is believed, and a second unit checks the distance": ReflectorDeviceConfig(
-            motion=CHECKED,
+        "the first group is believed, and a second unit checks an odometer that errs at standstill": ReflectorDeviceConfig(
+            motion=CHECKED_ERRING,
             balise=BaliseConfig(
-                odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000, trust_first_group=True
+                odometer=CHECKED_ERRING.reported_law, checked_distance=True, tolerance_mm=45_000, trust_first_group=True
             ),
             reflector=ReflectorConfig(
-                odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
+                odometer=CHECKED_ERRING.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
             ),
         ),
         "the first group is believed, the odometer errs at standstill, the radar is behind the front end": ReflectorDeviceConfig(
