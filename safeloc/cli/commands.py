@@ -121,6 +121,11 @@ COMMANDS: Mapping[str, Known] = {
         "cores",
         "Find a smallest set of clauses, lemmas and rows for each proved claim, and say which of them no claim needs.",
     ),
+    "margins": Known(
+        "margins",
+        "margins",
+        "Find how far each figure may move before a claim fails: the last value with a proof, and the next one with a run.",
+    ),
     "faults": Known(
         "faults",
         "faults",

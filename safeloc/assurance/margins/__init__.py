@@ -1,0 +1,1 @@
+"""Margins of a design: how far each figure may move before a claim fails."""

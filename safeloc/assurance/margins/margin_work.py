@@ -1,0 +1,93 @@
+"""The limits of all figures of a target, and of pairs of figures, in several processes, with kept results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, get_args
+
+from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
+from safeloc.assurance.margins.asking import Answer, Asking, Where
+from safeloc.assurance.margins.figures import Figure
+from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit
+from safeloc.proof.cache.store import Store
+from safeloc.proof.cache.targets import asked
+from safeloc.proof.provers.limits import CLOCK, Limits
+from safeloc.proof.provers.workers import Lost, Task
+from safeloc.target import Target
+
+_KIND = "margins"
+_QUESTIONS = 60
+"""Questions of one search that the clock allows for; a search over a range of 2**31 asks some 50."""
+POINTS = 8
+"""Points of the front of two figures, besides its ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """A search for limits.
+
+    where   where the figures move
+    claims  names of the claims that have to hold
+    limits  bounds of the provers, for each claim at each value
+    """
+
+    target: Target
+    where: Where
+    claims: Sequence[str]
+    limits: Limits
+    jobs: int = 2
+    look_in: Store | None = None
+    keep_in: Store | None = None
+
+    def asking(self) -> Asking:
+        """Return one who asks about the target."""
+        return Asking(self.target, self.where, self.limits, self.claims)
+
+    def singles(self, figures: Sequence[Figure]) -> Iterator[Limit]:
+        """Yield the limits of each figure up and down, as they are found."""
+        pieces = {f"{one.name} {way}": (one, way) for one in figures for way in get_args(Direction)}
+        for name, found in self._worked(pieces):
+            figure, way = pieces[name]
+            lost = Limit(figure, way, figure.value, Answer("undecided", why="the search ran out of time"), None)
+            yield lost if isinstance(found, Lost) else from_data(found)
+
+    def _worked(self, pieces: Mapping[str, tuple[Figure, Direction]]) -> Iterator[tuple[str, Any | Lost]]:
+        def batches(left: Sequence[str]) -> list[Batch]:
+            return [Batch((name,), self._task(name, *pieces[name])) for name in left]
+
+        key = asked(self.target, _KIND, self.limits, self.where, list(self.claims)).key
+        return kept_or_done([*pieces], batches, Keeping(_KIND, key, self.look_in, self.keep_in), self.jobs)
+
+    def _task(self, name: str, figure: Figure, way: Direction) -> Task:
+        most = CLOCK * _QUESTIONS * len(self.claims) * self.limits.seconds
+        return Task(name, lambda: [asdict(limit(self.asking(), figure, way))], most)
+
+
+def front(
+    margins: Margins, first: Figure, way: Direction, second: Figure, other: Direction
+) -> Iterator[tuple[int, Limit]]:
+    """Yield points of the Pareto front of two figures: a value of the first, and the limit of the second beside it.
+
+    The first figure takes its own value, its limit, and values between them in equal steps.
+    """
+    asking = margins.asking()
+    farthest = limit(asking, first, way).holds_to
+    steps = min(abs(farthest - first.value), POINTS + 1)
+    values = dict.fromkeys(first.value + (farthest - first.value) * step // max(steps, 1) for step in range(steps + 1))
+    for value in values:
+        yield value, limit(asking, second, other, {first.name: value})
+
+
+def from_data(data: Mapping[str, Any]) -> Limit:
+    """Return a limit from its plain data (`asdict`)."""
+    end = dict(data["end"])
+    return Limit(
+        Figure(**data["figure"]),
+        data["direction"],
+        data["holds_to"],
+        Answer(**{**end, "inputs": tuple(end["inputs"])}),
+        data["beyond"],
+        data["broken_at"],
+        data["proved_why"],
+    )

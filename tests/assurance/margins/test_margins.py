@@ -1,0 +1,191 @@
+"""Margins of figures: limits that are known in closed form, what the world alone may do, refusals and bad names."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from safeloc.assurance.margins.asking import UNMOVED, Asking, Where, chosen_claims
+from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
+from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
+from safeloc.assurance.margins.margin_data import in_words
+from safeloc.assurance.margins.margin_work import Margins, from_data, front
+from safeloc.catalogue import load_target
+from safeloc.errors import InputError
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.proof.cache.store import Store
+from safeloc.proof.provers.limits import Limits
+from safeloc.target import Target
+from tests.cli.calling import safeloc
+
+EXAMPLE = Path("docs/examples/marked_line.py")
+LIMITS = Limits(seconds=10)
+
+
+@pytest.fixture(name="line", scope="module")
+def _line() -> Target:
+    return load_target(f"{EXAMPLE}:machine", EXAMPLE.with_suffix(".toml"))
+
+
+def limit_of(target: Target, name: str, way: Direction, where: Where) -> Limit:
+    return limit(Asking(target, where, LIMITS), figures(target)[name], way)
+
+
+def longest_stretch(layout: LayoutConfig) -> int:
+    """Closed form: (tolerance - constant) (1 - rate) / rate - constant, without the error of the fix."""
+    rest = layout.tolerance_mm - layout.odometry_constant_mm
+    return rest * (1_000_000 - layout.odometry_rate_ppm) // layout.odometry_rate_ppm - layout.odometry_constant_mm
+
+
+@pytest.mark.parametrize("where", ["world", "design"])
+def test_the_longest_stretch_is_that_of_the_closed_form(line: Target, where: Where) -> None:
+    """470 m for 30 m at 5 m + 5 %: a proof at this value, a run one millimetre beyond."""
+    found = limit_of(line, "stretch_mm", "up", where)
+    assert longest_stretch(LayoutConfig()) == found.holds_to == 470_000
+    assert (470_001, "broken", "a position everywhere") == (found.beyond, found.end.end, found.end.claim)
+    assert found.end.inputs[-1]["true_run_mm"] == 470_001
+
+
+@pytest.mark.parametrize(("constant", "rate", "tolerance"), [(1_000, 20_000, 10_000), (6_000, 100_000, 50_000)])
+def test_the_longest_stretch_of_other_figures(tmp_path: Path, constant: int, rate: int, tolerance: int) -> None:
+    """The search finds the closed form's value, whatever the figures are."""
+    given = f"constant_mm = {constant}\nrate_ppm = {rate}\ntolerance_mm = {tolerance}\nstretch_mm = 50000\n"
+    (tmp_path / "line.toml").write_text(given, encoding="utf-8")
+    layout = LayoutConfig(odometry_constant_mm=constant, odometry_rate_ppm=rate, tolerance_mm=tolerance)
+    found = limit_of(load_target(f"{EXAMPLE}:machine", tmp_path / "line.toml"), "stretch_mm", "up", "design")
+    assert longest_stretch(layout) == found.holds_to
+
+
+def test_a_figure_of_the_machine_alone_does_not_move_the_world(line: Target) -> None:
+    """No clause has the tolerance; as a design it has a limit: 30 m less what 300 m leave."""
+    assert limit_of(line, "tolerance_mm", "down", "world").proved_why == UNMOVED
+    design = limit_of(line, "tolerance_mm", "down", "design")
+    assert (21_053, 21_052, "broken") == (design.holds_to, design.beyond, design.end.end)
+
+
+def test_a_narrower_world_needs_no_proof(line: Target) -> None:
+    """Shorter stretches are among those that were proved."""
+    found = limit_of(line, "stretch_mm", "down", "world")
+    assert (0, "held") == (found.holds_to, found.end.end)
+    assert found.proved_why == "the world allows nothing that it did not allow before"
+
+
+def test_the_front_of_two_figures(line: Target) -> None:
+    """Each point is the other figure's limit, and the more one takes, the less is left to the other."""
+    work = Margins(line, "world", chosen_claims(line, None), LIMITS)
+    every = figures(line)
+    points = list(front(work, every["stretch_mm"], "up", every["rate_ppm"], "up"))
+    assert [300_000, 470_000] == [points[0][0], points[-1][0]]
+    left = [one.holds_to for _, one in points]
+    assert left == sorted(left, reverse=True)
+    assert [50_001, 50_002] == [points[-1][1].holds_to, points[-1][1].beyond]
+
+
+def test_singles_are_kept(line: Target, tmp_path: Path) -> None:
+    """A second search finds the same limits in the store, and a run comes back whole."""
+    store = Store(tmp_path)
+    chosen = [figures(line)["stretch_mm"]]
+
+    def found(look_in: Store | None) -> list[Limit]:
+        claims = chosen_claims(line, None)
+        return sorted(
+            Margins(line, "world", claims, LIMITS, 1, look_in, store).singles(chosen), key=lambda one: one.direction
+        )
+
+    first = found(None)
+    assert [one.holds_to for one in first] == [0, 470_000]
+    assert found(store) == first
+
+
+def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
+    """The pulse counter's section may be longer than configured by nothing: a run shows the first millimetre."""
+    target = load_target("delocalized")
+    names = list(figures(target))
+    assert names
+    found = [limit_of(target, name, "up", "world") for name in names]
+    assert all(one.end.end in ("held", "broken", "refused", "undecided") for one in found)
+
+
+def test_a_range_of_the_world_moves_with_its_figure() -> None:
+    """`max_speed_mm_s` is the range of a variable of stop_point's world; claims speak of the variable in its new range."""
+    target = load_target("stop_point")
+    found = limit_of(target, "max_speed_mm_s", "down", "world")
+    assert (1, "held", "") == (found.holds_to, found.end.end, found.proved_why)
+
+
+def test_what_the_configuration_refuses_ends_the_search() -> None:
+    """The reason is the configuration's own."""
+    found = limit_of(load_target("stop_point"), "reduced_speed_mm_s", "down", "design")
+    assert (151, 150, "refused") == (found.holds_to, found.beyond, found.end.end)
+    assert in_words(found).startswith("150 is refused: reduced_speed_mm_s must exceed")
+
+
+def test_a_figure_that_makes_other_variables_cannot_move_alone() -> None:
+    """The number of stop points is the form of the world."""
+    found = limit_of(load_target("stop_point"), "stop_points", "up", "world")
+    assert "another value gives the world other variables or clauses" in in_words(found)
+
+
+def test_moved_refuses_with_the_reason() -> None:
+    with pytest.raises(Refused, match="Input should be greater than or equal to"):
+        moved(load_target("stop_point"), {"brake_mm_s2": -1})
+
+
+def test_unknown_names_are_refused_with_the_nearest(line: Target) -> None:
+    with pytest.raises(InputError, match=r"no figure 'stretch_m'; it has constant_mm, .* Did you mean 'stretch_mm'"):
+        chosen_figures(line, ["stretch_m"])
+    with pytest.raises(InputError, match="no claim 'everywhere'; it has a position everywhere"):
+        chosen_claims(line, ["everywhere"])
+
+
+def test_a_machine_without_figures_is_refused(tmp_path: Path) -> None:
+    own = tmp_path / "own.py"
+    own.write_text(EXAMPLE.read_text(encoding="utf-8").replace("given: Mapping[str, int]", "given: dict = GIVEN").replace(
+        "def machine", 'GIVEN = {"constant_mm": 1, "rate_ppm": 1, "tolerance_mm": 2, "stretch_mm": 1}\n\n\ndef machine'
+    ), encoding="utf-8")
+    with pytest.raises(InputError, match="no figure to move: .* give a machine of your own with --config FILE"):
+        figures(load_target(f"{own}:machine"))
+
+
+@pytest.mark.parametrize(("good", "bad", "edge"), [(0, 100, 37), (100, 0, 37), (-5, -4, -5)])
+def test_nearest_finds_neighbours(good: int, bad: int, edge: int) -> None:
+    if good < bad:
+        assert nearest(good, bad, lambda value: value <= edge) == (edge, edge + 1)
+    else:
+        assert nearest(good, bad, lambda value: value >= edge) == (edge, edge - 1)
+
+
+def test_nearest_stops_when_it_has_asked_enough() -> None:
+    assert nearest(0, 1_000, lambda value: value <= 3, 2) == (0, 250)
+
+
+def test_the_command(tmp_path: Path) -> None:
+    """Lines for people, JSON for programs, and a clear refusal of a direction."""
+    words = [f"{EXAMPLE}:machine", "--config", str(EXAMPLE.with_suffix(".toml")), "--cache", str(tmp_path)]
+    told = safeloc("margins", *words, "--figure", "stretch_mm")
+    assert "up    to 470000 (170000); at 470001 a run of 1 cycle breaks 'a position everywhere'" in told.stdout
+    data = json.loads(safeloc("margins", *words, "--figure", "stretch_mm", "--json").stdout)
+    assert [(one["direction"], one["holds_to"]) for one in data["limits"]] == [("down", 0), ("up", 470_000)]
+    pair = safeloc("margins", *words, "--pair", "stretch_mm:up,rate_ppm:sideways")
+    assert pair.returncode == 2
+    assert "each with :up or :down and joined by a comma; got 'rate_ppm:sideways'" in " ".join(pair.stderr.split())
+
+
+def test_a_claim_that_fails_as_it_is_leaves_no_margin(tmp_path: Path) -> None:
+    """Nothing is searched around a design that does not hold."""
+    short = EXAMPLE.with_suffix(".toml").read_text(encoding="utf-8").replace("300000", "500000")
+    (tmp_path / "long.toml").write_text(short, encoding="utf-8")
+    told = safeloc("margins", f"{EXAMPLE}:machine", "--config", str(tmp_path / "long.toml"), "--cache", str(tmp_path))
+    assert told.returncode == 2
+    assert "there is no margin to find: 'a position everywhere' is broken" in " ".join(told.stderr.split())
+
+
+def test_data_of_a_limit_come_back() -> None:
+    from dataclasses import asdict
+
+    from safeloc.assurance.margins.asking import Answer
+
+    one = Limit(Figure("a", 1, "mm", 0, 9), "up", 4, Answer("broken", "c", first={"m": 0}, inputs=({"x": 1},)), 5)
+    assert from_data(json.loads(json.dumps(asdict(one)))) == one
