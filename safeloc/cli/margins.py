@@ -61,10 +61,10 @@ def margins(
     figures, store = chosen_figures(loaded, figure), store_in(cache)
     asked, look_in = chosen_claims(loaded, only), None if fresh else store
     work = Margins(loaded, cast(Where, where), asked, Limits(seconds=seconds), jobs, look_in, store)
+    _refuse_if_it_fails(work.asking().as_it_is())
     if pair:
         _fronts(work, pair, as_json=as_json)
         return
-    _refuse_if_it_fails(work.asking().answer({}))
     limits = _found(work, figures, quiet=as_json)
     if as_json:
         print_json(margins_data(work, limits))

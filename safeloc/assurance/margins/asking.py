@@ -53,6 +53,10 @@ class Asking:
         self._made: dict[tuple[tuple[str, int], ...], Target | str] = {}
         self._broke_last = ""
 
+    def as_it_is(self) -> Answer:
+        """Return whether all claims hold with the figures as they are: without this there is no margin to find."""
+        return self._of_claims(self._target.system, claims(self._target))
+
     def refusal(self, values: Mapping[str, int]) -> str:
         """Return the reason why the machine cannot be made at these values; "" if it can."""
         made = self._at(values)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 
-from safeloc.assurance.margins.asking import UNMOVED, Asking, Where, chosen_claims
+from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
 from safeloc.assurance.margins.margin_data import in_words
@@ -18,7 +19,7 @@ from safeloc.models.layout_rules import LayoutConfig
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 from safeloc.target import Target
-from tests.cli.calling import safeloc
+from tests.cli.calling import Call, caller
 
 EXAMPLE = Path("docs/examples/marked_line.py")
 LIMITS = Limits(seconds=10)
@@ -100,12 +101,9 @@ def test_singles_are_kept(line: Target, tmp_path: Path) -> None:
 
 
 def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
-    """The pulse counter's section may be longer than configured by nothing: a run shows the first millimetre."""
-    target = load_target("delocalized")
-    names = list(figures(target))
-    assert names
-    found = [limit_of(target, name, "up", "world") for name in names]
-    assert all(one.end.end in ("held", "broken", "refused", "undecided") for one in found)
+    """The balise machine adds the accuracy of a group as it is configured: a group 1 mm farther off breaks containment."""
+    found = limit_of(load_target("balise"), "default_accuracy_mm", "up", "world")
+    assert (found.margin, found.end.end) == (0, "broken")
 
 
 def test_a_range_of_the_world_moves_with_its_figure() -> None:
@@ -142,10 +140,16 @@ def test_unknown_names_are_refused_with_the_nearest(line: Target) -> None:
 
 def test_a_machine_without_figures_is_refused(tmp_path: Path) -> None:
     own = tmp_path / "own.py"
-    own.write_text(EXAMPLE.read_text(encoding="utf-8").replace("given: Mapping[str, int]", "given: dict = GIVEN").replace(
-        "def machine", 'GIVEN = {"constant_mm": 1, "rate_ppm": 1, "tolerance_mm": 2, "stretch_mm": 1}\n\n\ndef machine'
-    ), encoding="utf-8")
-    with pytest.raises(InputError, match="no figure to move: .* give a machine of your own with --config FILE"):
+    own.write_text(
+        EXAMPLE.read_text(encoding="utf-8")
+        .replace("given: Mapping[str, int]", "given: dict = GIVEN")
+        .replace(
+            "def machine",
+            'GIVEN = {"constant_mm": 1, "rate_ppm": 1, "tolerance_mm": 2, "stretch_mm": 1}\n\n\ndef machine',
+        ),
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError, match=r"no figure to move: .* give a machine of your own with --config FILE"):
         figures(load_target(f"{own}:machine"))
 
 
@@ -161,31 +165,33 @@ def test_nearest_stops_when_it_has_asked_enough() -> None:
     assert nearest(0, 1_000, lambda value: value <= 3, 2) == (0, 250)
 
 
-def test_the_command(tmp_path: Path) -> None:
+@pytest.fixture(name="call")
+def _call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+    return caller(monkeypatch, capsys)
+
+
+def test_the_command(call: Call, tmp_path: Path) -> None:
     """Lines for people, JSON for programs, and a clear refusal of a direction."""
     words = [f"{EXAMPLE}:machine", "--config", str(EXAMPLE.with_suffix(".toml")), "--cache", str(tmp_path)]
-    told = safeloc("margins", *words, "--figure", "stretch_mm")
-    assert "up    to 470000 (170000); at 470001 a run of 1 cycle breaks 'a position everywhere'" in told.stdout
-    data = json.loads(safeloc("margins", *words, "--figure", "stretch_mm", "--json").stdout)
+    told = call("margins", *words, "--figure", "stretch_mm")
+    assert "up    to 470000 (170000); at 470001 a run of 1 cycle breaks 'a position everywhere'" in told.out
+    data = json.loads(call("margins", *words, "--figure", "stretch_mm", "--json").out)
     assert [(one["direction"], one["holds_to"]) for one in data["limits"]] == [("down", 0), ("up", 470_000)]
-    pair = safeloc("margins", *words, "--pair", "stretch_mm:up,rate_ppm:sideways")
-    assert pair.returncode == 2
-    assert "each with :up or :down and joined by a comma; got 'rate_ppm:sideways'" in " ".join(pair.stderr.split())
+    pair = call("margins", *words, "--pair", "stretch_mm:up,rate_ppm:sideways")
+    assert pair.code == 2
+    assert "each with :up or :down" in pair.err
+    assert "'rate_ppm:sideways'" in pair.err
 
 
-def test_a_claim_that_fails_as_it_is_leaves_no_margin(tmp_path: Path) -> None:
+def test_a_claim_that_fails_as_it_is_leaves_no_margin(call: Call, tmp_path: Path) -> None:
     """Nothing is searched around a design that does not hold."""
     short = EXAMPLE.with_suffix(".toml").read_text(encoding="utf-8").replace("300000", "500000")
     (tmp_path / "long.toml").write_text(short, encoding="utf-8")
-    told = safeloc("margins", f"{EXAMPLE}:machine", "--config", str(tmp_path / "long.toml"), "--cache", str(tmp_path))
-    assert told.returncode == 2
-    assert "there is no margin to find: 'a position everywhere' is broken" in " ".join(told.stderr.split())
+    told = call("margins", f"{EXAMPLE}:machine", "--config", str(tmp_path / "long.toml"), "--cache", str(tmp_path))
+    assert told.code == 2
+    assert "there is no margin to find: 'a position everywhere' is broken" in " ".join(told.err.split())
 
 
 def test_data_of_a_limit_come_back() -> None:
-    from dataclasses import asdict
-
-    from safeloc.assurance.margins.asking import Answer
-
     one = Limit(Figure("a", 1, "mm", 0, 9), "up", 4, Answer("broken", "c", first={"m": 0}, inputs=({"x": 1},)), 5)
     assert from_data(json.loads(json.dumps(asdict(one)))) == one
