@@ -10,42 +10,24 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from pydantic import BaseModel
-
-from safeloc.config import figures
+from safeloc.assurance.law_figures import Figure, configured_figures, figures_of
+from safeloc.assurance.law_ids import ids_of
 from safeloc.language.machine import Machine
 from safeloc.language.observable import seen
 from safeloc.language.terms import text
-from safeloc.language.world import Law
+from safeloc.proof.cores.clauses import ClauseId
 from safeloc.runtime.source_clocks import BORDER, LAW, ONE_CLOCK
 from safeloc.target import Target
 
 Observed = Literal["whole", "part", "no"]
 _CLOCK_TERM = "(< lag_ms period_ms)"
-FROM_MEMORY = "[M]"
-"""Beginning of the source of a figure that was not read in any document."""
-
-
-@dataclass(frozen=True)
-class _Figure:
-    """A configured figure that a law uses: its place in the configuration, value, unit and source."""
-
-    name: str
-    value: str
-    unit: str
-    source: str
-
-    @property
-    def to_confirm(self) -> bool:
-        """Return whether the operator has to confirm it, because it is an engineering default."""
-        return self.source.startswith(FROM_MEMORY)
 
 
 @dataclass(frozen=True)
 class Assumption:
     """One law of a machine's world.
 
-    id          machine and number in the order of declaration, such as "odometry/A3"
+    id          of the law in every report (safeloc.assurance.law_ids), such as "odometry/A3"
     guaranteed  it is proved that another machine of the target guarantees it, so nobody else has to ensure it
     observable  whether inputs and state show a breach in operation: of the whole law, of a part of it, or not at all
     against     laws for which inputs and state can show that they and this law do not both hold
@@ -56,7 +38,7 @@ class Assumption:
     name: str
     statement: str
     term: str
-    figures: tuple[_Figure, ...]
+    figures: tuple[Figure, ...]
     source: str
     owner: str
     check: str
@@ -83,11 +65,11 @@ class Assumption:
 def register(target: Target) -> list[Assumption]:
     """Return every law of every machine of the target, in order."""
     guaranteed = {part.machine: part.guaranteed for part in target.system.parts}
-    observed = _observed(target)
+    observed, ids, figures = _observed(target), ids_of(target), configured_figures(target.config)
     return [
-        replace(one, **observed[machine, one.name])
+        replace(one, id=ids[ClauseId(machine.name, one.name)], **observed[machine, one.name])
         for machine in target.machines
-        for one in _of_machine(machine, target.config, guaranteed.get(machine, ()))
+        for one in _of_machine(machine, figures, guaranteed.get(machine, ()))
     ]
 
 
@@ -96,7 +78,7 @@ class Register:
     """The assumptions of several targets, each with its target's name, and the figures that the operator has to confirm."""
 
     rows: Sequence[tuple[str, Assumption]]
-    to_confirm: Mapping[str, _Figure]
+    to_confirm: Mapping[str, Figure]
 
     @property
     def observable(self) -> int:
@@ -129,41 +111,27 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
     return observed
 
 
-def to_confirm(targets: Iterable[Target]) -> dict[str, _Figure]:
+def to_confirm(targets: Iterable[Target]) -> dict[str, Figure]:
     """Return every configured figure of the targets that is from memory, by machine and name."""
     return {
         f"{target.name}.{one.name}": one
         for target in targets
-        if target.config is not None
-        for one in _figures(target.config)
+        for one in configured_figures(target.config)
         if one.to_confirm
     }
 
 
-def _of_machine(machine: Machine, config: BaseModel | None, guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
-    for number, (name, law) in enumerate(machine.world.laws.items(), 1):
+def _of_machine(machine: Machine, every: Sequence[Figure], guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
+    for name, law in machine.world.laws.items():
         yield Assumption(
-            f"{machine.name}/A{number}",
+            "",
             machine.name,
             name,
             law.statement,
             text(law.term),
-            tuple(_figures_of(law, machine.name, config)),
+            tuple(figures_of(law, machine.name, every)),
             law.source,
             law.owner,
             law.check,
             name in guaranteed,
         )
-
-
-def _figures(config: BaseModel) -> list[_Figure]:
-    return [_Figure(**one) for one in figures(config)]
-
-
-def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[_Figure]:
-    """Yield the figures that the law names; if several parts of a configuration have one of that name, that of the machine."""
-    every = [] if config is None else _figures(config)
-    for name in law.figures:
-        found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
-        of_machine = [one for one in found if machine in one.name.split(".")]
-        yield from of_machine or found or [_Figure(name, "", "", "not found in the configuration")]

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from safeloc.assurance.register import FROM_MEMORY
+from safeloc.assurance.law_figures import FROM_MEMORY
 
 _Data = Mapping[str, Any]
 

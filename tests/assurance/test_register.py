@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from pydantic import BaseModel
 
-from safeloc.assurance.register import FROM_MEMORY, Assumption, of_border, register, register_of, to_confirm
+from safeloc.assurance.law_figures import FROM_MEMORY
+from safeloc.assurance.register import Assumption, of_border, register, register_of, to_confirm
 from safeloc.catalogue import load_target
 from safeloc.config import Config, quantity
 from safeloc.language.composition import Clause, compose
@@ -53,9 +54,9 @@ def test_every_law_is_numbered_in_the_order_of_declaration() -> None:
     """A bare term is an assumption as well, and what nobody said of it is told."""
     full = Law(TRUTH < 50, "the truth is low", ("accuracy_mm",), "[S] a document", "supplier", "a type test")
     bare, said = registered(machine("front", stays=NEXT < 90, is_low=full), Reader())
-    assert ("front/A1", "stays", "(< next 90)") == (bare.id, bare.name, bare.term)
+    assert ("t/A1", "stays", "(< next 90)") == (bare.id, bare.name, bare.term)
     assert ("statement", "source", "owner", "check") == bare.lacks
-    assert ("front/A2", (), "supplier") == (said.id, said.lacks, said.owner)
+    assert ("t/A2", (), "supplier") == (said.id, said.lacks, said.owner)
     assert [("accuracy_mm", "12", "mm", True)] == [
         (one.name, one.value, one.unit, one.to_confirm) for one in said.figures
     ]
