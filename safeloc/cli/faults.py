@@ -9,11 +9,11 @@ from typing import Annotated
 import typer
 
 from safeloc.assurance.evidence.cut_sets import TOP, CutSets, cut_sets, to_open_psa
-from safeloc.assurance.law_ids import ids_of
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.assurance.evidence.fault_data import SCHEMA, cycles, end_in_words, faults_data
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.assurance.law_ids import ids_of
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in

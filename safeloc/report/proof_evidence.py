@@ -8,10 +8,10 @@ from typing import Any
 
 from safeloc.assurance.evidence.core_work import as_data
 from safeloc.assurance.evidence.cut_sets import cut_sets
-from safeloc.assurance.law_ids import ids_of
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.assurance.evidence.fault_data import faults_data
 from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.assurance.law_ids import ids_of
 from safeloc.proof.cores.cores import Core
 from safeloc.report.fault_tree import fault_tree
 from safeloc.target import Target

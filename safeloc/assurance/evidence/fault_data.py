@@ -7,8 +7,8 @@ from dataclasses import asdict
 from typing import Any
 
 from safeloc.assurance.evidence.cut_sets import TOP, CutSets
-from safeloc.assurance.law_ids import ids_of
 from safeloc.assurance.evidence.effects import CYCLES, Effect
+from safeloc.assurance.law_ids import ids_of
 from safeloc.proof.cores.clauses import laws
 from safeloc.target import Target
 
