@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from pydantic import BaseModel
@@ -27,6 +27,36 @@ class Figure:
     def to_confirm(self) -> bool:
         """Return whether the operator has to confirm it, because it is an engineering default."""
         return self.source.startswith(FROM_MEMORY)
+
+
+@dataclass(frozen=True)
+class ToConfirm:
+    """A figure from memory, once: name, value, unit and source, and each place where a configuration has it.
+
+    places  such as "guard: brake_mm_s2" and "marker_device: guard.brake_mm_s2"
+    values  number of figures of this name with another value, unit or source, this one included
+    """
+
+    name: str
+    value: str
+    unit: str
+    source: str
+    places: tuple[str, ...]
+    values: int
+
+
+def to_confirm(figures: Iterable[tuple[str, Figure]]) -> list[ToConfirm]:
+    """Return every figure that is from memory, once, out of the figures of targets; those of one name stand together."""
+    found: dict[str, dict[tuple[str, str, str], list[str]]] = {}
+    for target, one in figures:
+        if one.to_confirm:
+            name, said = one.name.rpartition(".")[2], (one.value, one.unit, one.source)
+            found.setdefault(name, {}).setdefault(said, []).append(f"{target}: {one.name}")
+    return [
+        ToConfirm(name, *said, tuple(places), len(by_value))
+        for name, by_value in found.items()
+        for said, places in by_value.items()
+    ]
 
 
 def configured_figures(config: BaseModel | None) -> list[Figure]:

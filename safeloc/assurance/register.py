@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from safeloc.assurance.law_figures import Figure, configured_figures, figures_of
+from safeloc.assurance.law_figures import Figure, ToConfirm, configured_figures, figures_of, to_confirm
 from safeloc.assurance.law_ids import ids_of
 from safeloc.language.machine import Machine
 from safeloc.language.observable import seen
@@ -21,6 +21,9 @@ from safeloc.target import Target
 
 Observed = Literal["whole", "part", "no"]
 _CLOCK_TERM = "(< lag_ms period_ms)"
+UNSEEN = "no: only with the truth"
+NOBODY = "nobody"
+"""Owner of a law that excludes nothing: it is true by definition or by arithmetic."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +54,13 @@ class Assumption:
         """Return in words how far a breach is visible in operation."""
         alone = {"whole": "as a whole", "part": "in part"}.get(self.observable, "")
         beside = f"against {', '.join(self.against)}" if self.against else ""
-        return "; ".join(part for part in (alone, beside) if part) or "no: only with the truth"
+        return "; ".join(part for part in (alone, beside) if part) or UNSEEN
 
     @property
     def lacks(self) -> tuple[str, ...]:
         """Return the names of fields that an assessor needs and that are empty."""
         asked = {"statement": self.statement, "source": self.source, "owner": self.owner, "check": self.check}
-        if self.owner == "nobody":
+        if self.owner == NOBODY:
             del asked["check"]
         return tuple(name for name, words in asked.items() if not words)
 
@@ -74,22 +77,62 @@ def register(target: Target) -> list[Assumption]:
 
 
 @dataclass(frozen=True)
-class Register:
-    """The assumptions of several targets, each with its target's name, and the figures that the operator has to confirm."""
+class Listed:
+    """An assumption of several targets, once.
 
-    rows: Sequence[tuple[str, Assumption]]
-    to_confirm: Mapping[str, Figure]
+    targets     that rest on it
+    guaranteed  those of them in which another machine is proved to guarantee it
+    monitored   words on how far a breach shows in operation -> the targets of which they are true
+    """
+
+    one: Assumption
+    targets: tuple[str, ...]
+    guaranteed: tuple[str, ...]
+    monitored: Mapping[str, tuple[str, ...]]
+
+    @property
+    def is_left_to_others(self) -> bool:
+        """Return whether at least one target has no machine that guarantees it."""
+        return self.targets != self.guaranteed
+
+
+@dataclass(frozen=True)
+class Register:
+    """The assumptions of several targets, each once, and the figures that the operator has to confirm."""
+
+    rows: Sequence[Listed]
+    to_confirm: Sequence[ToConfirm]
 
     @property
     def observable(self) -> int:
-        """The number of assumptions of which a breach shows in operation, at least partly or against another one."""
-        return sum(one.observable != "no" or bool(one.against) for _, one in self.rows)
+        """The number of those left to others of which a breach shows in operation, at least partly or against another one."""
+        return sum(row.is_left_to_others and any(words != UNSEEN for words in row.monitored) for row in self.rows)
+
+    @property
+    def left_to_others(self) -> int:
+        """The number of assumptions that no machine guarantees in at least one target, as a report counts its conditions."""
+        return sum(row.is_left_to_others for row in self.rows)
 
 
 def register_of(targets: Sequence[Target]) -> Register:
-    """Return the register of these targets, with the assumption of every target that runs on records."""
-    rows = [(target.name, one) for target in targets for one in register(target)]
-    return Register([*rows, ("every target on records", of_border())], to_confirm(targets))
+    """Return the register of these targets, with the assumption of every target that runs on records at its end."""
+    found: dict[str, list[tuple[str, Assumption]]] = {}
+    for target in targets:
+        for one in register(target):
+            found.setdefault(one.id, []).append((target.name, one))
+    border = of_border()
+    found[border.id] = [("every target on records", border)]
+    return Register([_listed(every) for every in found.values()], figures_to_confirm(targets))
+
+
+def _listed(every: Sequence[tuple[str, Assumption]]) -> Listed:
+    """Return one assumption with all targets that have it."""
+    monitored: dict[str, list[str]] = {}
+    for target, one in every:
+        monitored.setdefault(one.monitored, []).append(target)
+    guaranteed = tuple(target for target, one in every if one.guaranteed)
+    seen = {words: tuple(of) for words, of in monitored.items()}
+    return Listed(every[0][1], tuple(target for target, _ in every), guaranteed, seen)
 
 
 def of_border() -> Assumption:
@@ -105,20 +148,15 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
     for clause in around.stated:
         found = around.of(clause)
         alone = [one for one in found if len(one.clauses) == 1]
-        against = tuple(str(other) for one in found for other in one.clauses if other is not clause)
+        against = tuple(dict.fromkeys(str(other) for one in found for other in one.clauses if other is not clause))
         observable: Observed = "no" if not alone else "whole" if alone[0].is_equivalent else "part"
         observed[clause.machine, clause.name] = {"observable": observable, "against": against}
     return observed
 
 
-def to_confirm(targets: Iterable[Target]) -> dict[str, Figure]:
-    """Return every configured figure of the targets that is from memory, by machine and name."""
-    return {
-        f"{target.name}.{one.name}": one
-        for target in targets
-        for one in configured_figures(target.config)
-        if one.to_confirm
-    }
+def figures_to_confirm(targets: Iterable[Target]) -> list[ToConfirm]:
+    """Return every configured figure of the targets that is from memory, once."""
+    return to_confirm((target.name, one) for target in targets for one in configured_figures(target.config))
 
 
 def _of_machine(machine: Machine, every: Sequence[Figure], guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
