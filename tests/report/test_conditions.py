@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict
 from typing import Any
 
@@ -97,7 +98,10 @@ def test_the_page_has_the_list_and_the_needs() -> None:
     data = report_data([], [load_target("odometry")])
     page = to_html(data)
     assert '<h2 id="conditions" class="own-page">Conditions for the safety case</h2>' in page
-    assert '<td class="id">odometry/A1' in page
+    assert '<tr id="condition-odometry-A1" data-owner="' in page
+    assert '<td class="id"><a href="#law-odometry-odometry-A1">odometry/A1</a>' in page
+    assert '<a class="id" href="#condition-odometry-A1">odometry/A1</a>' in page  # and back
+    assert "models/odometry/world.py:" in page
     assert "safeloc verify --evidence" in page
     assert 'id="law-odometry-odometry-A1"' in page
 
@@ -134,7 +138,7 @@ def test_the_headline_and_the_list_have_one_number() -> None:
     page = to_html(data)
     number = data["conditions"]["assumptions"]
     assert f"It rests on {number} assumptions;" in page
-    assert number == page.count("<tr data-owner=")
+    assert number == len(re.findall('<tr id="condition-[^>]* data-owner=', page))
     assert page.count('<span class="memory">[M]</span>') == page.count("data-confirm>") > 0
     assert f'<td><b>all</b></td><td class="n"><b>{number}</b></td>' in page
 

@@ -466,9 +466,7 @@ def test_a_run_of_a_machine_by_itself_has_labels_and_units(page: Page, tmp_path:
     assert page.said() == []
 
 
-def test_inputs_are_filtered_and_what_was_set_stands_first(
-    page: Page, composition: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_inputs_are_filtered_and_what_was_set_stands_first(page: Page, composition: Path) -> None:
     """Grouped by machine; the filter has a label and takes keys; of few inputs there is none."""
     at(page, composition, "ride", 3)
     branched(page)
