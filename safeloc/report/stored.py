@@ -28,7 +28,9 @@ SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
 _SAID_ONCE = ("statement", "method", "assumption")
 """Words of a result that others have as well: report.json has them once."""
-_OMITTED: Mapping[str, Any] = {"by_construction": "", "reason": "", "notes": {}}
+_OMITTED: Mapping[str, Any] = {
+    "by_construction": "", "reason": "", "notes": {}, "rechecked": [], "certificates": [], "requirements": [], "assumption": "", "trace": None,
+}  # fmt: skip
 """Fields of a result that report.json has only where they say something, and what they are elsewhere."""
 Data = dict[str, Any]
 _T = TypeVar("_T")
@@ -50,12 +52,14 @@ def split_data(
         **data,
         "machines": [{key: part for key, part in one.items() if key not in _BULKY} for one in data["machines"]],
         "results": [
-            {
-                **{key: value for key, value in row.items() if value or key not in _OMITTED},
-                **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
-                "certificates": [numbers[name] for name in row["certificates"]],
-                "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
-            }
+            _telling(
+                {
+                    **row,
+                    **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
+                    "certificates": [numbers[name] for name in row["certificates"]],
+                    "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
+                }
+            )
             for number, row in enumerate(data["results"])
         ],
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
@@ -63,6 +67,11 @@ def split_data(
     }
     bulky = {files[one["name"]]: packed(_text({key: one[key] for key in _BULKY})) for one in data["machines"]}
     return small, bulky
+
+
+def _telling(row: Data) -> Data:
+    """Return a result without the fields that say nothing; 0 is the number of a result, and says something."""
+    return {key: value for key, value in row.items() if key not in _OMITTED or value != _OMITTED[key]}
 
 
 def _once(said: dict[str, int], words: str, number: int) -> str | int:
@@ -136,17 +145,17 @@ def _named(data: Data) -> Data:
     """Return the data with names instead of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
     ids = [row["id"] for row in data["results"]]
-    said = {field: [row[field] for row in data["results"]] for field in _SAID_ONCE}
+    rows = [{**_OMITTED, **row} for row in data["results"]]
+    said = {field: [row[field] for row in rows] for field in _SAID_ONCE}
     return {
         **data,
         "results": [
             {
-                **_OMITTED,
                 **row,
                 **{field: _said(said[field], row[field]) for field in _SAID_ONCE},
                 "certificates": _at(names, row["certificates"]),
             }
-            for row in data["results"]
+            for row in rows
         ],
         "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
     }
