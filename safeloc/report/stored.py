@@ -26,14 +26,15 @@ DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
-_SAID_ONCE = ("statement", "method", "assumption")
-"""Words of a result that others have as well: report.json has them once."""
+_SAID_ONCE: Mapping[str, type] = {"statement": str, "method": str, "assumption": str, "requirements": list}
+"""Words of a result, and lists of ids, that others have as well: report.json has them once."""
 _OMITTED: Mapping[str, Any] = {
     "by_construction": "", "reason": "", "notes": {}, "rechecked": [], "certificates": [], "requirements": [], "assumption": "", "trace": None,
 }  # fmt: skip
 """Fields of a result that report.json has only where they say something, and what they are elsewhere."""
 Data = dict[str, Any]
 _T = TypeVar("_T")
+_Said = str | list[str]
 
 
 def split_data(
@@ -74,9 +75,9 @@ def _telling(row: Data) -> Data:
     return {key: value for key, value in row.items() if key not in _OMITTED or value != _OMITTED[key]}
 
 
-def _once(said: dict[str, int], words: str, number: int) -> str | int:
+def _once(said: dict[str, int], words: _Said, number: int) -> _Said | int:
     """Return the words of a result; in place of those that an earlier result has as well, the number of that result."""
-    first = said.setdefault(words, number) if words else number
+    first = said.setdefault(json.dumps(words), number) if words else number
     return words if first == number else first
 
 
@@ -152,7 +153,7 @@ def _named(data: Data) -> Data:
         "results": [
             {
                 **row,
-                **{field: _said(said[field], row[field]) for field in _SAID_ONCE},
+                **{field: _said(said[field], row[field], kind) for field, kind in _SAID_ONCE.items()},
                 "certificates": _at(names, row["certificates"]),
             }
             for row in rows
@@ -161,10 +162,10 @@ def _named(data: Data) -> Data:
     }
 
 
-def _said(said: Sequence[str | int], words: str | int) -> str:
-    """Return words that stand here or with an earlier result."""
+def _said(said: Sequence[_Said | int], words: _Said | int, kind: type) -> _Said:
+    """Return words, or a list of ids, that stand here or with an earlier result."""
     found = said[words] if type(words) is int and words >= 0 else words
-    if not isinstance(found, str):
+    if isinstance(found, int) or not isinstance(found, kind):
         raise ValueError(f"no result {words} with words of its own")
     return found
 
