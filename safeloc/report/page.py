@@ -22,6 +22,7 @@ from safeloc.language.verdict import SHOWN
 from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
+from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.overview import RESULTS, results_script
@@ -117,6 +118,7 @@ class _Rendering:
             "conditions": self._conditions,
             "resting": counts(self._conditions),
             "claim_rows": self._claim_rows(),
+            "words": words_in(self._said()),
         }
 
     def page(self, **more: Any) -> str:
@@ -173,6 +175,12 @@ class _Rendering:
             script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
+
+    def _said(self) -> str:
+        """Return what the page says: its own words, and those of results and laws."""
+        own = [asset(f"{name}.html.jinja") for name in ("page", "machine", "conditions")]
+        results = [f"{row['statement']} {row['method']} {row['assumption']}" for row in self._data["results"]]
+        return " ".join([*own, *results, *(law["statement"] for law in self._conditions["laws"])])
 
     def _claim_rows(self) -> dict[str, str]:
         """Return the place on the page of each claim, by machine and name as the list of conditions has them."""
