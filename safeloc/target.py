@@ -107,6 +107,8 @@ class Entry(Generic[AnyConfig]):
                     tests/runtime/embedding/test_silence.py proves that a step which obeys the assumption still obeys it
                     without all inputs of the machine, so every proof covers the silent step. A machine not named here stops
                     in such a step (an axle that was not reported is an axle lost)
+    members         of a composition: the names of its machines with its defaults. The register of assumptions looks here for a
+                    machine that ships in compositions alone
     records_of      record name -> input name, for inputs whose records have another name, such as that of the
                     odometer's unit (docs/records.md)
     folder          its folder of `models/`; `safeloc.shipped` sets it when it finds the entry
@@ -121,6 +123,7 @@ class Entry(Generic[AnyConfig]):
     configurations: Configurations = Configurations()
     no_interval: str = ""
     silent: tuple[str, ...] = ()
+    members: tuple[str, ...] = ()
     records_of: Mapping[str, str] = field(default_factory=dict)
     folder: str = ""
 

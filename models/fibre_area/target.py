@@ -41,6 +41,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=90,
+        members=("front", "rear", "emitter", "entry", "verification", "report", "area", "section_1"),
         configurations=CONFIGURATIONS,
     ),
 )

@@ -34,6 +34,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=100,
+        members=("giving", "border", "taking", "speaker"),
         silent=("giving", "border", "taking"),
     ),
 )

@@ -68,6 +68,7 @@ ENTRIES = (
         target,
         Family.ODOMETRY,
         place=40,
+        members=("vehicle", "guard", "odometry", "delocalized"),
         configurations=CONFIGURATIONS,
     ),
 )

@@ -69,6 +69,7 @@ ENTRIES = (
         target,
         Family.MARKERS,
         place=70,
+        members=("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point"),
         configurations=CONFIGURATIONS,
         records_of={"front_wheel_mm": "motion.odometer_mm"},
     ),

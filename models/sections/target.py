@@ -41,6 +41,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=110,
+        members=("area", "section_1"),
         configurations=CONFIGURATIONS,
         no_interval="It reports which sections are clear.",
         silent=("area",),

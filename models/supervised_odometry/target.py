@@ -44,5 +44,6 @@ ENTRIES = (
         target,
         Family.ODOMETRY,
         place=30,
+        members=("odometry", "delocalized"),
     ),
 )

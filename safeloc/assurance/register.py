@@ -10,42 +10,27 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from pydantic import BaseModel
-
-from safeloc.config import figures
+from safeloc.assurance.law_figures import Figure, ToConfirm, configured_figures, figures_of, to_confirm
+from safeloc.assurance.law_ids import ids_of
 from safeloc.language.machine import Machine
 from safeloc.language.observable import seen
 from safeloc.language.terms import text
-from safeloc.language.world import Law
+from safeloc.proof.cores.clauses import ClauseId
 from safeloc.runtime.source_clocks import BORDER, LAW, ONE_CLOCK
 from safeloc.target import Target
 
 Observed = Literal["whole", "part", "no"]
 _CLOCK_TERM = "(< lag_ms period_ms)"
-FROM_MEMORY = "[M]"
-"""Beginning of the source of a figure that was not read in any document."""
-
-
-@dataclass(frozen=True)
-class _Figure:
-    """A configured figure that a law uses: its place in the configuration, value, unit and source."""
-
-    name: str
-    value: str
-    unit: str
-    source: str
-
-    @property
-    def to_confirm(self) -> bool:
-        """Return whether the operator has to confirm it, because it is an engineering default."""
-        return self.source.startswith(FROM_MEMORY)
+UNSEEN = "no: only with the truth"
+NOBODY = "nobody"
+"""Owner of a law that excludes nothing: it is true by definition or by arithmetic."""
 
 
 @dataclass(frozen=True)
 class Assumption:
     """One law of a machine's world.
 
-    id          machine and number in the order of declaration, such as "odometry/A3"
+    id          of the law in every report (safeloc.assurance.law_ids), such as "odometry/A3"
     guaranteed  it is proved that another machine of the target guarantees it, so nobody else has to ensure it
     observable  whether inputs and state show a breach in operation: of the whole law, of a part of it, or not at all
     against     laws for which inputs and state can show that they and this law do not both hold
@@ -56,7 +41,7 @@ class Assumption:
     name: str
     statement: str
     term: str
-    figures: tuple[_Figure, ...]
+    figures: tuple[Figure, ...]
     source: str
     owner: str
     check: str
@@ -69,13 +54,13 @@ class Assumption:
         """Return in words how far a breach is visible in operation."""
         alone = {"whole": "as a whole", "part": "in part"}.get(self.observable, "")
         beside = f"against {', '.join(self.against)}" if self.against else ""
-        return "; ".join(part for part in (alone, beside) if part) or "no: only with the truth"
+        return "; ".join(part for part in (alone, beside) if part) or UNSEEN
 
     @property
     def lacks(self) -> tuple[str, ...]:
         """Return the names of fields that an assessor needs and that are empty."""
         asked = {"statement": self.statement, "source": self.source, "owner": self.owner, "check": self.check}
-        if self.owner == "nobody":
+        if self.owner == NOBODY:
             del asked["check"]
         return tuple(name for name, words in asked.items() if not words)
 
@@ -83,31 +68,71 @@ class Assumption:
 def register(target: Target) -> list[Assumption]:
     """Return every law of every machine of the target, in order."""
     guaranteed = {part.machine: part.guaranteed for part in target.system.parts}
-    observed = _observed(target)
+    observed, ids, figures = _observed(target), ids_of(target), configured_figures(target.config)
     return [
-        replace(one, **observed[machine, one.name])
+        replace(one, id=ids[ClauseId(machine.name, one.name)], **observed[machine, one.name])
         for machine in target.machines
-        for one in _of_machine(machine, target.config, guaranteed.get(machine, ()))
+        for one in _of_machine(machine, figures, guaranteed.get(machine, ()))
     ]
 
 
 @dataclass(frozen=True)
-class Register:
-    """The assumptions of several targets, each with its target's name, and the figures that the operator has to confirm."""
+class Listed:
+    """An assumption of several targets, once.
 
-    rows: Sequence[tuple[str, Assumption]]
-    to_confirm: Mapping[str, _Figure]
+    targets     that rest on it
+    guaranteed  those of them in which another machine is proved to guarantee it
+    monitored   words on how far a breach shows in operation -> the targets of which they are true
+    """
+
+    one: Assumption
+    targets: tuple[str, ...]
+    guaranteed: tuple[str, ...]
+    monitored: Mapping[str, tuple[str, ...]]
+
+    @property
+    def is_left_to_others(self) -> bool:
+        """Return whether at least one target has no machine that guarantees it."""
+        return self.targets != self.guaranteed
+
+
+@dataclass(frozen=True)
+class Register:
+    """The assumptions of several targets, each once, and the figures that the operator has to confirm."""
+
+    rows: Sequence[Listed]
+    to_confirm: Sequence[ToConfirm]
 
     @property
     def observable(self) -> int:
-        """The number of assumptions of which a breach shows in operation, at least partly or against another one."""
-        return sum(one.observable != "no" or bool(one.against) for _, one in self.rows)
+        """The number of those left to others of which a breach shows in operation, at least partly or against another one."""
+        return sum(row.is_left_to_others and any(words != UNSEEN for words in row.monitored) for row in self.rows)
+
+    @property
+    def left_to_others(self) -> int:
+        """The number of assumptions that no machine guarantees in at least one target, as a report counts its conditions."""
+        return sum(row.is_left_to_others for row in self.rows)
 
 
 def register_of(targets: Sequence[Target]) -> Register:
-    """Return the register of these targets, with the assumption of every target that runs on records."""
-    rows = [(target.name, one) for target in targets for one in register(target)]
-    return Register([*rows, ("every target on records", of_border())], to_confirm(targets))
+    """Return the register of these targets, with the assumption of every target that runs on records at its end."""
+    found: dict[str, list[tuple[str, Assumption]]] = {}
+    for target in targets:
+        for one in register(target):
+            found.setdefault(one.id, []).append((target.name, one))
+    border = of_border()
+    found[border.id] = [("every target on records", border)]
+    return Register([_listed(every) for every in found.values()], figures_to_confirm(targets))
+
+
+def _listed(every: Sequence[tuple[str, Assumption]]) -> Listed:
+    """Return one assumption with all targets that have it."""
+    monitored: dict[str, list[str]] = {}
+    for target, one in every:
+        monitored.setdefault(one.monitored, []).append(target)
+    guaranteed = tuple(target for target, one in every if one.guaranteed)
+    seen = {words: tuple(of) for words, of in monitored.items()}
+    return Listed(every[0][1], tuple(target for target, _ in every), guaranteed, seen)
 
 
 def of_border() -> Assumption:
@@ -123,47 +148,28 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
     for clause in around.stated:
         found = around.of(clause)
         alone = [one for one in found if len(one.clauses) == 1]
-        against = tuple(str(other) for one in found for other in one.clauses if other is not clause)
+        against = tuple(dict.fromkeys(str(other) for one in found for other in one.clauses if other is not clause))
         observable: Observed = "no" if not alone else "whole" if alone[0].is_equivalent else "part"
         observed[clause.machine, clause.name] = {"observable": observable, "against": against}
     return observed
 
 
-def to_confirm(targets: Iterable[Target]) -> dict[str, _Figure]:
-    """Return every configured figure of the targets that is from memory, by machine and name."""
-    return {
-        f"{target.name}.{one.name}": one
-        for target in targets
-        if target.config is not None
-        for one in _figures(target.config)
-        if one.to_confirm
-    }
+def figures_to_confirm(targets: Iterable[Target]) -> list[ToConfirm]:
+    """Return every configured figure of the targets that is from memory, once."""
+    return to_confirm((target.name, one) for target in targets for one in configured_figures(target.config))
 
 
-def _of_machine(machine: Machine, config: BaseModel | None, guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
-    for number, (name, law) in enumerate(machine.world.laws.items(), 1):
+def _of_machine(machine: Machine, every: Sequence[Figure], guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
+    for name, law in machine.world.laws.items():
         yield Assumption(
-            f"{machine.name}/A{number}",
+            "",
             machine.name,
             name,
             law.statement,
             text(law.term),
-            tuple(_figures_of(law, machine.name, config)),
+            tuple(figures_of(law, machine.name, every)),
             law.source,
             law.owner,
             law.check,
             name in guaranteed,
         )
-
-
-def _figures(config: BaseModel) -> list[_Figure]:
-    return [_Figure(**one) for one in figures(config)]
-
-
-def _figures_of(law: Law, machine: str, config: BaseModel | None) -> Iterator[_Figure]:
-    """Yield the figures that the law names; if several parts of a configuration have one of that name, that of the machine."""
-    every = [] if config is None else _figures(config)
-    for name in law.figures:
-        found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
-        of_machine = [one for one in found if machine in one.name.split(".")]
-        yield from of_machine or found or [_Figure(name, "", "", "not found in the configuration")]

@@ -8,11 +8,12 @@ from typing import Annotated
 
 import typer
 
-from safeloc.assurance.evidence.cut_sets import TOP, CutSets, cut_sets, numbered, to_open_psa
+from safeloc.assurance.evidence.cut_sets import TOP, CutSets, cut_sets, to_open_psa
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.assurance.evidence.fault_data import SCHEMA, cycles, end_in_words, faults_data
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.assurance.law_ids import ids_of
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
@@ -50,9 +51,9 @@ def faults(
     if order > 1 and holds_truth(loaded) is None:
         raise typer.BadParameter(f"{loaded.name} reports no interval; give --order 1.")
     effects = _broken(loaded, order, Limits(seconds=seconds), jobs, cache, fresh=fresh, quiet=as_json)
-    sets, numbers = cut_sets(effects), numbered(loaded.system)
+    sets, numbers = cut_sets(effects), ids_of(loaded)
     if open_psa is not None:
-        open_psa.write_text(to_open_psa(loaded.system, sets), encoding="utf-8")
+        open_psa.write_text(to_open_psa(loaded.name, sets, numbers), encoding="utf-8")
     if picture is not None:
         picture.write_text(fault_tree(loaded.name, sets, numbers), encoding="utf-8")
     if as_json:
@@ -76,7 +77,7 @@ def _broken(
 
 
 def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator[str]:
-    numbers, declared = numbered(target.system), laws(target.system)
+    numbers, declared = ids_of(target), laws(target.system)
     for one in effects:
         if len(one.broken) > 1 and one.end == "contained":
             continue
@@ -101,7 +102,7 @@ def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator
 def _cut_set_lines(target: Target, sets: CutSets) -> Iterator[str]:
     if holds_truth(target) is None:
         return
-    numbers = numbered(target.system)
+    numbers = ids_of(target)
     found = ["+".join(numbers[clause] for clause in one) for one in sets.found]
     yield f"minimal cut sets of {TOP!r}: {', '.join(found) or 'none'}"
     if sets.undecided:

@@ -12,7 +12,7 @@ import typer
 from safeloc.assurance.independence import Shared, by_term, follows_machine, shared_terms
 from safeloc.assurance.mutation.strength import Strength, as_data, as_text, strengths_of
 from safeloc.assurance.property_choice import PropertyChoice
-from safeloc.assurance.register import Assumption, register_of
+from safeloc.assurance.register import Listed, register_of
 from safeloc.assurance.requirements import Item, Link, traceability
 from safeloc.assurance.short_lists import first_few
 from safeloc.assurance.splits.folded import folded_cases
@@ -134,27 +134,42 @@ def _recordings(machines: Sequence[str]) -> _Listed:
 
 
 def _assumptions(machines: Sequence[str]) -> _Listed:
-    """Return the register: every law with its figures, owner and missing fields."""
+    """Return the register: every law once, with the machines that rest on it, its figures, owner and missing fields."""
     found = register_of(_targets(machines))
-    lines = [line for target, one in found.rows for line in _assumption_lines(target, one)]
+    lines = [line for row in found.rows for line in _assumption_lines(row)]
+    number, left = len(found.rows), found.left_to_others
+    guaranteed = f"; {number - left} more are guaranteed by other machines" if number != left else ""
     lines += [
-        f"{len(found.rows)} assumptions, {found.observable} of them observable in operation; {len(found.to_confirm)} figures "
+        f"{left} assumptions, that of records among them; {found.observable} of them observable in operation{guaranteed}; {len(found.to_confirm)} figures "
         "are from memory: the operator has to confirm them."
     ]
     data = {
-        "assumptions": [{"target": target, **asdict(one), "lacks": list(one.lacks)} for target, one in found.rows],
-        "to_confirm": {name: asdict(one) for name, one in found.to_confirm.items()},
+        "assumptions": [_assumption_data(row) for row in found.rows],
+        "to_confirm": [asdict(one) for one in found.to_confirm],
     }
     return data, lines
 
 
-def _assumption_lines(target: str, one: Assumption) -> Iterator[str]:
-    yield f"{target}  {one.id}  {one.name}{'  (guaranteed by another machine)' if one.guaranteed else ''}"
+def _assumption_data(row: Listed) -> dict[str, Any]:
+    """Return an assumption with the machines that rest on it; where it is guaranteed or seen depends on the machine."""
+    alike = {key: value for key, value in asdict(row.one).items() if key not in ("guaranteed", "observable", "against")}
+    more = {"targets": row.targets, "guaranteed": row.guaranteed, "observable": row.monitored}
+    return {**alike, **more, "lacks": list(row.one.lacks)}
+
+
+def _assumption_lines(row: Listed) -> Iterator[str]:
+    one = row.one
+    yield f"{one.id}  {one.name}{'' if row.is_left_to_others else '  (guaranteed by another machine)'}"
+    yield f"    assumed by: {', '.join(row.targets)}"
+    if row.guaranteed and row.is_left_to_others:
+        yield f"    guaranteed by another machine in: {', '.join(row.guaranteed)}"
     for figure in one.figures:
         yield f"    {figure.name} = {figure.value} {figure.unit}  {figure.source}"
     fields = {"statement": one.statement, "source": one.source, "owner": one.owner, "check": one.check}
-    fields["observable"] = one.monitored
     yield from (f"    {field}: {words}" for field, words in fields.items() if words)
+    for words, targets in row.monitored.items():
+        of = f"  (in {', '.join(targets)})" if len(row.monitored) > 1 else ""
+        yield f"    observable: {words}{of}"
     if one.lacks:
         yield f"    missing: {', '.join(one.lacks)}"
 

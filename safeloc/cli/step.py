@@ -37,9 +37,9 @@ ENTER, step [N]       take one step, or N; an empty line of a script takes none
 set NAME=VALUE ...    inputs of the next step: 12, true, a label, absent; after it they are recorded ones, or at rest
 hold NAME=VALUE ...   the same in every step from now on, also over a recording: hold NAME=absent; `hold` alone: what is held
 release NAME ...      hold it no more
-rows                  the transitions of this mode: which fires, and what keeps the others from it
+rows                  of the next step: which transition of this mode would fire with the inputs as they stand, and what keeps the others
 inputs  state  outputs  [WORD]   their values now; with a word, those that have it in their name
-watch NAME ...        show these after each command that takes steps; `watch` alone: nothing
+watch NAME ...        show these after each step; `watch` alone: nothing
 broken                the properties that the run has broken; each is told at once, when a step breaks it
 back [N]              take back one step, or N
 save FILE             write the run as a stream for `safeloc replay`; save FILE.py: as a test for pytest
@@ -159,6 +159,7 @@ class _Shell(cmd.Cmd):
             if broken != self._broken_laws:
                 self._tell_laws(broken)
             self.tell_broken()
+            self._show_watched()
         self.show()
 
     def tell_broken(self) -> None:
@@ -200,7 +201,8 @@ class _Shell(cmd.Cmd):
         print_line(f"held: {_joined(self._stepper.held)}")
 
     def do_rows(self, _: str) -> None:
-        """Show the transitions of the present mode."""
+        """Show the transitions of the present mode: of the next step, not of the last one, which `step` has told."""
+        print_line(f"step {self._stepper.number + 1}, the next one, with the inputs as they stand:")
         for row in self._stepper.rows():
             for line in row_lines(row):
                 print_line(line)
@@ -221,7 +223,7 @@ class _Shell(cmd.Cmd):
         """Choose what is shown after every step."""
         refuse_unknown(words(text), self._stepper.watchable)
         self._watched = words(text)
-        self.show()
+        print_line(f"watched after each step: {'  '.join(self._watched) or 'nothing'}")
 
     def do_broken(self, _: str) -> None:
         """Show the properties that the run has broken."""
@@ -251,11 +253,15 @@ class _Shell(cmd.Cmd):
     # -------------------------------------------------------------- showing
 
     def show(self) -> None:
-        """Show the modes and what is watched."""
+        """Show the modes."""
         state = self._stepper.state
-        modes = {name: value for name, value in state.items() if name.split(".")[-1] == "mode"}
-        known = self._stepper.watchable
-        self._values("", {**modes, **{name: known[name] for name in self._watched}}, "")
+        self._values("", {name: value for name, value in state.items() if name.split(".")[-1] == "mode"}, "")
+
+    def _show_watched(self) -> None:
+        """Show what is watched, once after each step."""
+        if self._watched:
+            known = self._stepper.watchable
+            self._values("", {name: known[name] for name in self._watched}, "")
 
     def _values(self, what: str, values: dict[str, str], word: str) -> None:
         chosen = {name: value for name, value in values.items() if word in name}

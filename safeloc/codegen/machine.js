@@ -229,6 +229,7 @@ function machineOf(data, moves, outputs, first) {
   const looked = (of) => ({
     part: of.part, parts: of.parts, why: of.why,
     claim: (name) => data.claims.find((one) => one.name === name),
+    law: (name) => data.laws.find((one) => one.name === name)?.place,
     asked: (one) => (one.steps < 0 ? one.term : one.response),
   });
 

@@ -3,6 +3,7 @@
 declaration_digest  equal for declarations with the same variables and the same moves; snapshots carry it, so that a
                     snapshot of another declaration is refused
 full_digest         also covers everything that a proof rests on (assumption, lemmas, ghosts, parts); reports carry it
+term_digest         equal for terms of equal structure over variables of equal names; it tells laws of different targets apart
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from safeloc.language.expr import BoolVar, Expr, Lit, NumVar, Var
 from safeloc.language.first_values import Any_
 from safeloc.language.nodes import Compare, FloorDiv, Past, Truth
 from safeloc.language.system import TransitionSystem
-from safeloc.language.terms import children, in_order
+from safeloc.language.terms import Sharing, children, in_order
 from safeloc.language.units import Enumeration
 
 
@@ -32,6 +33,11 @@ def full_digest(system: TransitionSystem) -> str:
     for line in _full_lines(system):
         total.update(line.encode("utf-8") + b"\n")
     return total.hexdigest()
+
+
+def term_digest(term: Expr) -> str:
+    """Return the SHA-256, in hexadecimal, of a term alone: the same whether its equal parts are one node or several."""
+    return hashlib.sha256("\n".join(_terms([Sharing()(term)])).encode("utf-8")).hexdigest()
 
 
 def _full_lines(system: TransitionSystem) -> Iterator[str]:

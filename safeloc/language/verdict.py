@@ -28,6 +28,10 @@ class _NoTruth:
         return _as_html(self)  # type: ignore[arg-type] # every verdict is a Result
 
 
+SEVERAL_RUNS = "recordings and bounded search"
+"""The engine of a statement that several things occur, of which every one is shown by a run."""
+
+
 @dataclass(frozen=True, eq=False)
 class Proved(_NoTruth):
     """The property holds on every stream that obeys the assumption, of whatever length.
@@ -46,6 +50,11 @@ class Proved(_NoTruth):
     certificates: Mapping[str, str] = field(default_factory=dict)
     witness: Trace | None = None
     by_construction: str = ""
+
+    @property
+    def is_shown_by_runs(self) -> bool:
+        """Return whether runs are the whole evidence: one that is kept here, or several, each kept with what it shows."""
+        return self.witness is not None or self.engine == SEVERAL_RUNS
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,12 +139,12 @@ def word(result: Result) -> str:
 
 
 SHOWN = "shown by a run"
-"""What a reader is told of a verdict `proved` whose evidence is one run: that something can happen, not that something always holds."""
+"""What a reader is told of a verdict `proved` whose evidence is runs: that something can happen, not that something always holds."""
 
 
 def told(result: Result) -> str:
-    """Return the verdict as a reader is told it: `word`, but `shown by a run` where one run is the whole evidence."""
-    return SHOWN if isinstance(result, Proved) and result.witness is not None else word(result)
+    """Return the verdict as a reader is told it: `word`, but `shown by a run` where runs are the whole evidence."""
+    return SHOWN if isinstance(result, Proved) and result.is_shown_by_runs else word(result)
 
 
 def _as_html(result: Result) -> str:

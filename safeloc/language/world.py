@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from safeloc.errors import declared_at
 from safeloc.language.expr import Bool, Expr, Var, all_of
 from safeloc.language.first_values import Initial
 
@@ -30,6 +31,7 @@ class Law:
     check      a way to check the law in operation: a monitor, maintenance, a type test
     shares     the reason why the term has a part in common with a term of the machine: an error in that part changes both.
                `safeloc list shared` shows each common part with this reason, or that there is none
+    src        file and line of the declaration; nothing for a bare term
     """
 
     term: Bool
@@ -39,6 +41,7 @@ class Law:
     owner: Owner = ""
     check: str = ""
     shares: str = ""
+    src: str = field(default_factory=declared_at)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +65,7 @@ class World:
     @property
     def laws(self) -> dict[str, Law]:
         """Every clause by name, as a Law; a clause declared as a bare term has empty fields."""
-        return {name: one if isinstance(one, Law) else Law(one) for name, one in self.clauses.items()}
+        return {name: one if isinstance(one, Law) else Law(one, src="") for name, one in self.clauses.items()}
 
     @property
     def terms(self) -> dict[str, Bool]:

@@ -21,7 +21,7 @@ from safeloc.errors import InputError
 from safeloc.language.verdict import Proved
 from safeloc.proof.results import Finding
 from safeloc.report.file_names import file_names
-from safeloc.runtime.packed import QUICK, packed, read_packed
+from safeloc.runtime.packed import packed, read_packed
 
 FOLDER, SUFFIX = "certificates", ".tar.xz"
 Archives = dict[str, dict[str, str]]
@@ -58,7 +58,7 @@ def write_archives(folder: Path, found: Archives) -> None:
 
 def _write(folder: Path, one: tuple[str, Mapping[str, str]]) -> None:
     file, texts = one
-    (folder / file).write_bytes(packed(_archive(texts), QUICK))
+    (folder / file).write_bytes(packed(_archive(texts)))
 
 
 def _archive(texts: Mapping[str, str]) -> bytes:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.register import FROM_MEMORY
+from safeloc.assurance.law_figures import FROM_MEMORY, Figure, to_confirm
+from safeloc.assurance.register import NOBODY
 
 _Data = Mapping[str, Any]
 
@@ -15,35 +17,40 @@ _Data = Mapping[str, Any]
 def conditions(machines: Sequence[_Data]) -> dict[str, list[dict[str, Any]]]:
     """Return every law that no machine guarantees, once, with its figures, every figure that is from memory, and sums by owner.
 
-    A law of which two targets have different terms, or the same with other parts, stands twice.
+    A law of which two targets have other terms, parts or figures stands twice; in reports of earlier versions it has one id there.
     """
-    laws: dict[tuple[str, str, str], dict[str, Any]] = {}
-    for machine, law in _laws(machines):
-        key = (law["id"], law["name"], json.dumps([law["terms"], law["parts"]]))
-        one = laws.setdefault(key, {**law, **_with_figures(law, machine), "targets": [], "needed_by": []})
+    laws: dict[str, dict[str, Any]] = {}
+    for machine, part, law in _laws(machines):
+        named = figures(law, machine, part["name"])
+        key = json.dumps([law["id"], law["name"], law["terms"], law["parts"], named])
+        one = laws.setdefault(key, {**law, **_to_confirm(law, named), "targets": [], "needed_by": [], "seen": {}})
         one["targets"].append(machine["name"])
         one["needed_by"] += _needed_by(machine, law)
-    confirm: dict[tuple[str, str], dict[str, Any]] = {}
-    for machine in machines:
-        for figure in machine["figures"]:
-            if figure["source"].startswith(FROM_MEMORY):
-                key_of = (figure["name"], figure["value"])
-                confirm.setdefault(key_of, {**figure, "targets": []})["targets"].append(machine["name"])
-    return {"laws": list(laws.values()), "figures": list(confirm.values()), "owners": _by_owner(list(laws.values()))}
+        one["seen"].setdefault(law["observable"], []).append(machine["name"])
+    every = ((machine["name"], _figure(one)) for machine in machines for one in machine["figures"])
+    confirm = [asdict(one) for one in to_confirm(every)]
+    return {"laws": list(laws.values()), "figures": confirm, "owners": _by_owner(list(laws.values()))}
 
 
 def counts(found: Mapping[str, Sequence[_Data]]) -> dict[str, int]:
-    """Count conditions: laws, laws without owner or source, and figures to be confirmed; headline and list have one number."""
+    """Count conditions: laws, those that nobody has to ensure, those without owner or source, and figures to be confirmed.
+
+    Headline, list and data have these numbers.
+    """
     return {
         "assumptions": len(found["laws"]),
+        "true_by_definition": sum(law["owner"] == NOBODY for law in found["laws"]),
         "without_owner_or_source": sum(not (law["owner"] and law["source"]) for law in found["laws"]),
         "figures_to_confirm": len(found["figures"]),
     }
 
 
-def _with_figures(law: _Data, machine: _Data) -> dict[str, Any]:
+def _figure(one: _Data) -> Figure:
+    return Figure(one["name"], one["value"], one["unit"], one["source"])
+
+
+def _to_confirm(law: _Data, named: Sequence[str]) -> dict[str, Any]:
     """Return the figures of a law in words, and whether one of them, or the law itself, is from memory."""
-    named = figures(law, machine)
     return {"figures": named, "confirm": any(FROM_MEMORY in words for words in (*named, law["source"]))}
 
 
@@ -55,17 +62,21 @@ def _by_owner(laws: Sequence[_Data]) -> list[dict[str, Any]]:
     return [{"owner": name, "laws": number, "confirm": confirm[name]} for name, number in owned.most_common()]
 
 
-def _laws(machines: Sequence[_Data]) -> Iterator[tuple[_Data, _Data]]:
+def _laws(machines: Sequence[_Data]) -> Iterator[tuple[_Data, _Data, _Data]]:
     for machine in machines:
         for part in machine["parts"]:
-            yield from ((machine, law) for law in part["clauses"] if not law["guaranteed"])
+            yield from ((machine, part, law) for law in part["clauses"] if not law["guaranteed"])
 
 
-def figures(law: _Data, machine: _Data) -> list[str]:
-    """Return the figures that a law names, each with its value and unit, and [M] if it is from memory; with all values if parts of the target differ in it."""
+def figures(law: _Data, machine: _Data, part: str) -> list[str]:
+    """Return the figures that a law of a part names, each with its value and unit, and [M] if it is from memory.
+
+    If several parts of the configuration have a figure of the name, that of the part; without one of the part, all of them.
+    """
     found = []
     for name in law["figures"]:
-        named = [one for one in machine["figures"] if one["name"] == name or one["name"].endswith(f".{name}")]
+        every = [one for one in machine["figures"] if one["name"] == name or one["name"].endswith(f".{name}")]
+        named = [one for one in every if part in one["name"].split(".")] or every
         values = dict.fromkeys(f"{one['value']} {one['unit']}".strip() + _mark(one) for one in named)
         found.append(f"{name} = {' or '.join(values)}" if values else name)
     return found

@@ -19,11 +19,12 @@ from safeloc.assurance.requirements import Link, traceability
 from safeloc.catalogue import Target
 from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.trace import Trace, present_inputs
-from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, word, worst
+from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated, told, word, worst
 from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
 from safeloc.report.conditions import conditions, counts
 from safeloc.report.machines import machine_data
+from safeloc.report.told import requirement_verdict
 
 SCHEMA = "safeloc-report/5"
 _SCHEMA_FILE = Path(__file__).with_name("report.schema.json")
@@ -149,6 +150,7 @@ def result_data(finding: Finding) -> dict[str, Any]:
         "kind": finding.kind,
         "statement": finding.statement,
         "verdict": word(finding.result),
+        **({} if (shown := told(finding.result)) == word(finding.result) else {"told": shown}),
         "method": finding.method,
         "depth": _depth(finding),
         "seconds": round(finding.seconds, 3),
@@ -248,7 +250,8 @@ def _verdict_of(findings: Sequence[Finding]) -> str:
 def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths | None) -> dict[str, Any]:
     one = link.requirement
     about_it = [finding for finding in findings if one.id in finding.requirements]
-    shown = {finding.id: word(finding.result) for finding in about_it}
+    verdict = _verdict_of(about_it)
+    shown = requirement_verdict(verdict, [told(finding.result) for finding in about_it])
     return {
         "id": one.id,
         "kind": one.kind,
@@ -258,7 +261,8 @@ def _requirement(link: Link, findings: Sequence[Finding], strengths: Strengths |
         "source": one.source,
         "carried_by": one.carried_by,
         "transitions": list(link.transitions),
-        "results": list(shown),
-        "verdict": _verdict_of(about_it),
+        "results": [finding.id for finding in about_it],
+        "verdict": verdict,
+        **({} if shown == verdict else {"told": shown}),
         "strength": as_text(strengths.get(one.id, ())) if link.transitions and strengths is not None else [],
     }

@@ -1,6 +1,7 @@
 """Findings as JUnit XML, for continuous integration servers.
 
-Violated is a failure; unknown, vacuous and not asked are errors.
+Violated is a failure; unknown, vacuous and not asked are errors. A test case that passes was proved if it is a property, obligation or lemma, and
+held if it is a test or a replay; one that runs alone show says so, since servers have one word for all that passes.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from collections.abc import Sequence
 from typing import assert_never
 from xml.etree import ElementTree
 
-from safeloc.language.verdict import Held, NotAsked, Proved, Unknown, Vacuous, Violated
+from safeloc.language.verdict import SHOWN, Held, NotAsked, Proved, Unknown, Vacuous, Violated
 from safeloc.proof.results import Finding
 
 
@@ -44,6 +45,8 @@ def _case(suite: ElementTree.Element, finding: Finding) -> None:
             error.text = "" if trace is None else trace.table()
         case NotAsked(reason):
             ElementTree.SubElement(case, "error", message=f"not asked: {reason}")
+        case Proved() if finding.result.is_shown_by_runs:
+            ElementTree.SubElement(case, "system-out").text = SHOWN
         case Proved() | Held():
             pass
         case _:

@@ -109,6 +109,7 @@ def _clauses(machine: Machine, assumed: _Assumed) -> Iterator[dict[str, Any]]:
             "source": law.source,
             "owner": law.owner,
             "check": law.check,
+            "declared": place(law.src) if law.src else "",
             "reads": [var.name for var in read.get(f"clause {name!r}", ())],
         }
 

@@ -80,7 +80,7 @@ def _requirements(data: _Data) -> Iterator[_Row]:
     results = {row["id"]: row for row in data["results"]}
     for one in data["requirements"]:
         if one["transitions"] or one["results"]:
-            verdict = requirement_verdict(one, [results[name] for name in one["results"]])
+            verdict = requirement_verdict(one["verdict"], {told_of(results[name]) for name in one["results"]})
             words = (one["machine"], "requirement", verdict, one["id"])
             yield _row(words, statement=one["text"], method=one["source"], at=one["id"])
 

@@ -22,6 +22,7 @@ from safeloc.language.verdict import SHOWN
 from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
+from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.overview import RESULTS, results_script
@@ -39,6 +40,10 @@ MOST_OF_ONE_PAGE = 1_000_000
 _NO_PARTS: Mapping[str, str] = MappingProxyType({})
 _BARE: Mapping[str, Any] = MappingProxyType({"made": "", "run_at": "", "overview": "", "run": "", "script": ""})
 """What a page without search, parts and runs has besides the report."""
+_NOTHING_BESIDE: Mapping[str, str] = MappingProxyType(
+    {"items_beside": "", "conditions_beside": "", "conditions_at": ""}
+)
+"""Parts of a page that has none."""
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
 _LONGEST_RUN, LAST_STEPS = 40, 20
@@ -112,12 +117,14 @@ class _Rendering:
             "requirements": self._requirements,
             "conditions": self._conditions,
             "resting": counts(self._conditions),
+            "claim_rows": self._claim_rows(),
+            "words": words_in(self._said()),
         }
 
     def page(self, **more: Any) -> str:
         """Return the page without parts; `more` is what its templates know besides the report."""
         machines = [{**one, "beside": ""} for one in self._machines]
-        given = {"machines": machines, "items_beside": "", "conditions_beside": "", **self._given, **_BARE, **more}
+        given = {"machines": machines, "law_parts": {}, **_NOTHING_BESIDE, **self._given, **_BARE, **more}
         return self._filled("page", **given)
 
     def whole(self, made: str) -> str:
@@ -145,28 +152,40 @@ class _Rendering:
     def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
         files = file_names(["beside", "results", "trace back", "conditions", *(one["name"] for one in self._machines)])
-        html = {
-            files[one["name"]]: self._filled("machine", m=one, requirements=self._requirements, run_at=RUN_PAGE)
-            for one in self._machines
-        }
+        beside = {one["name"]: f"{PARTS}/{files[one['name']]}.js" for one in self._machines}
+        conditions_at = f"{PARTS}/{files['conditions']}.js"
+        known = {"requirements": self._requirements, "run_at": RUN_PAGE, "conditions_at": conditions_at}
+        html = {files[one["name"]]: self._filled("machine", m=one, **known) for one in self._machines}
         html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
-        html[files["conditions"]] = self._filled("conditions", conditions=self._conditions)
+        html[files["conditions"]] = self._filled(
+            "conditions", conditions=self._conditions, law_parts=beside, claim_rows=self._claim_rows()
+        )
         parts = {
             f"{file}.js": script("safelocPart", f"{PARTS}/{file}.js", made, data=text.encode())
             for file, text in html.items()
         }
         parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
-        beside = {one["name"]: f"{PARTS}/{files[one['name']]}.js" for one in self._machines}
         page = self.page(
             machines=[{**one, "beside": beside[one["name"]]} for one in self._machines],
             items_beside=f"{PARTS}/{files['trace back']}.js",
-            conditions_beside=f"{PARTS}/{files['conditions']}.js",
+            conditions_beside=conditions_at,
             made=made,
             run_at=RUN_PAGE,
             overview=self._overview(made, parts=beside),
             script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
+
+    def _said(self) -> str:
+        """Return what the page says: its own words, and those of results and laws."""
+        own = [asset(f"{name}.html.jinja") for name in ("page", "machine", "conditions")]
+        results = [f"{row['statement']} {row['method']} {row['assumption']}" for row in self._data["results"]]
+        return " ".join([*own, *results, *(law["statement"] for law in self._conditions["laws"])])
+
+    def _claim_rows(self) -> dict[str, str]:
+        """Return the place on the page of each claim, by machine and name as the list of conditions has them."""
+        claims = (row for row in self._data["results"] if row["kind"] == "property")
+        return {f"{row['machine']}: {row['id'].split('/', 2)[-1]}": self.links.row(row) for row in claims}
 
     def _filled(self, template: str, **given: Any) -> str:
         return self._environment.get_template(f"{template}.html.jinja").render(**given)

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from safeloc.assurance.evidence.core_work import as_data
-from safeloc.assurance.evidence.cut_sets import cut_sets, numbered
+from safeloc.assurance.evidence.cut_sets import cut_sets
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.assurance.evidence.fault_data import faults_data
 from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.assurance.law_ids import ids_of
 from safeloc.proof.cores.cores import Core
 from safeloc.report.fault_tree import fault_tree
 from safeloc.target import Target
@@ -24,7 +25,7 @@ def evidence_data(target: Target, cores: Sequence[Core], effects: Sequence[Effec
         "cores": [{**one, "rows_of": _row_count(target, one["kept_by"])} for one in data["cores"]],
         "needed_by_none": data["needed_by_none"],
         "faults": faults_data(target, effects, sets),
-        "picture": "" if holds_truth(target) is None else fault_tree(target.name, sets, numbered(target.system)),
+        "picture": "" if holds_truth(target) is None else fault_tree(target.name, sets, ids_of(target)),
     }
     plain: dict[str, Any] = json.loads(json.dumps(found))
     return plain

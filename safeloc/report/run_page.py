@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import random
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ _HERE = Path(__file__).parent
 SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions")
 RUNS = ("runs", "charts", "interval", "strip", "diagram", "parts", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
-_DEFENCE = "a defence: "
+_DEFENCE = re.compile(r"(?:of the machine by itself, )?a defence: ")
 """Begins the method of a result whose run breaks a law of the world, to which the machine answers with the transition that is shown."""
 _BREAKS = {"violated", "unknown"}
 """Verdicts whose run breaks the statement in its last step; that of an undecided one begins in a state to which no run need come."""
@@ -131,7 +131,7 @@ def _can_be_loaded(target: Target) -> bool:
 
 def _result(row: _Data, data: _Data, links: Links) -> dict[str, Any]:
     broken = [[row["statement"], data["runs"][row["id"]], claim_of(row["id"])]] if row["verdict"] in _BREAKS else []
-    is_defence = row["method"].startswith(_DEFENCE)
+    is_defence = _DEFENCE.match(row["method"]) is not None
     said = {"verdict": told_of(row), "statement": row["statement"], "at": links.row(row), "broken": broken}
     return {**said, "defence": True} if is_defence else said
 
@@ -167,13 +167,16 @@ def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:
         "signals": machine["signals"],
         "reported": machine["reported"],
         "tolerance_mm": tolerance if type(tolerance) is int else None,
-        "parts": [_part(part) for part in machine["parts"]],
+        "parts": [_part(part, machine) for part in machine["parts"]],
         "results": dict(results),
     }
 
 
-def _part(part: _Data) -> dict[str, Any]:
-    """Return name, diagram and table of a machine, with the terms that its guards name, directly or through others."""
+def _part(part: _Data, machine: _Data) -> dict[str, Any]:
+    """Return name, diagram and table of a machine, with the terms that its guards name, directly or through others, and its laws.
+
+    signals  units and labels of names that it has only where it runs by itself: those that are wired in the composition
+    """
     meaning = {line["name"]: line["text"] for line in part["definitions"]}
     table = [{key: row[key] for key in ("name", "source", "target", "guard")} for row in part["table"]]
     terms, left = dict[str, str](), [name for row in table for name in _PART.findall(row["guard"])]
@@ -182,4 +185,21 @@ def _part(part: _Data) -> dict[str, Any]:
         if name in meaning and name not in terms:
             terms[name] = meaning[name]
             left += _PART.findall(meaning[name])
-    return {"name": part["name"], "svg": part["svg"], "table": table, "terms": terms}
+    laws = {law["name"]: [law["id"], law["statement"]] for law in part["clauses"]}
+    alone = {} if len(machine["parts"]) == 1 else _signals_alone(part, machine["signals"])
+    return {"name": part["name"], "svg": part["svg"], "table": table, "terms": terms, "laws": laws, "signals": alone}
+
+
+def _signals_alone(part: _Data, known: Collection[str]) -> dict[str, Any]:
+    """Return unit and labels of each variable of a member that has another name, or none, in the whole."""
+    return {
+        one["name"]: {"unit": one["unit"], "members": _members(one)}
+        for one in part["variables"]
+        if f"{part['name']}.{one['name']}" not in known
+    }
+
+
+def _members(variable: _Data) -> list[str]:
+    """Return the labels of an enumeration, out of the words for its range."""
+    words = variable["range"]
+    return [] if variable["unit"] or words == "true, false" or " .. " in words else words.split(", ")

@@ -26,12 +26,15 @@ DATA = "report.json"
 MACHINES, TRACES = "machines", "traces"
 SUFFIX, RUNS = ".json.xz", ".js"
 _BULKY = ("parts", "pictures", "signals", "figures", "evidence", "declared")
-_SAID_ONCE = ("statement", "method", "assumption")
-"""Words of a result that others have as well: report.json has them once."""
-_OMITTED: Mapping[str, Any] = {"by_construction": "", "reason": "", "notes": {}}
+_SAID_ONCE: Mapping[str, type] = {"statement": str, "method": str, "assumption": str, "requirements": list}
+"""Words of a result, and lists of ids, that others have as well: report.json has them once."""
+_OMITTED: Mapping[str, Any] = {
+    "by_construction": "", "reason": "", "notes": {}, "rechecked": [], "certificates": [], "requirements": [], "assumption": "", "trace": None,
+}  # fmt: skip
 """Fields of a result that report.json has only where they say something, and what they are elsewhere."""
 Data = dict[str, Any]
 _T = TypeVar("_T")
+_Said = str | list[str]
 
 
 def split_data(
@@ -50,12 +53,14 @@ def split_data(
         **data,
         "machines": [{key: part for key, part in one.items() if key not in _BULKY} for one in data["machines"]],
         "results": [
-            {
-                **{key: value for key, value in row.items() if value or key not in _OMITTED},
-                **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
-                "certificates": [numbers[name] for name in row["certificates"]],
-                "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
-            }
+            _telling(
+                {
+                    **row,
+                    **{field: _once(said[field], row[field], number) for field in _SAID_ONCE},
+                    "certificates": [numbers[name] for name in row["certificates"]],
+                    "trace": {"steps": runs[row["id"]]} if row["id"] in runs else None,
+                }
+            )
             for number, row in enumerate(data["results"])
         ],
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
@@ -65,9 +70,14 @@ def split_data(
     return small, bulky
 
 
-def _once(said: dict[str, int], words: str, number: int) -> str | int:
+def _telling(row: Data) -> Data:
+    """Return a result without the fields that say nothing; 0 is the number of a result, and says something."""
+    return {key: value for key, value in row.items() if key not in _OMITTED or value != _OMITTED[key]}
+
+
+def _once(said: dict[str, int], words: _Said, number: int) -> _Said | int:
     """Return the words of a result; in place of those that an earlier result has as well, the number of that result."""
-    first = said.setdefault(words, number) if words else number
+    first = said.setdefault(json.dumps(words), number) if words else number
     return words if first == number else first
 
 
@@ -136,26 +146,26 @@ def _named(data: Data) -> Data:
     """Return the data with names instead of numbers."""
     names = list(chain.from_iterable(data["certificates"].values()))
     ids = [row["id"] for row in data["results"]]
-    said = {field: [row[field] for row in data["results"]] for field in _SAID_ONCE}
+    rows = [{**_OMITTED, **row} for row in data["results"]]
+    said = {field: [row[field] for row in rows] for field in _SAID_ONCE}
     return {
         **data,
         "results": [
             {
-                **_OMITTED,
                 **row,
-                **{field: _said(said[field], row[field]) for field in _SAID_ONCE},
+                **{field: _said(said[field], row[field], kind) for field, kind in _SAID_ONCE.items()},
                 "certificates": _at(names, row["certificates"]),
             }
-            for row in data["results"]
+            for row in rows
         ],
         "requirements": [{**row, "results": _at(ids, row["results"])} for row in data["requirements"]],
     }
 
 
-def _said(said: Sequence[str | int], words: str | int) -> str:
-    """Return words that stand here or with an earlier result."""
+def _said(said: Sequence[_Said | int], words: _Said | int, kind: type) -> _Said:
+    """Return words, or a list of ids, that stand here or with an earlier result."""
     found = said[words] if type(words) is int and words >= 0 else words
-    if not isinstance(found, str):
+    if isinstance(found, int) or not isinstance(found, kind):
         raise ValueError(f"no result {words} with words of its own")
     return found
 

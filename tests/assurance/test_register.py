@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from pydantic import BaseModel
 
-from safeloc.assurance.register import FROM_MEMORY, Assumption, of_border, register, register_of, to_confirm
+from safeloc.assurance.law_figures import FROM_MEMORY
+from safeloc.assurance.register import Assumption, figures_to_confirm, of_border, register, register_of
 from safeloc.catalogue import load_target
 from safeloc.config import Config, quantity
 from safeloc.language.composition import Clause, compose
@@ -53,9 +54,9 @@ def test_every_law_is_numbered_in_the_order_of_declaration() -> None:
     """A bare term is an assumption as well, and what nobody said of it is told."""
     full = Law(TRUTH < 50, "the truth is low", ("accuracy_mm",), "[S] a document", "supplier", "a type test")
     bare, said = registered(machine("front", stays=NEXT < 90, is_low=full), Reader())
-    assert ("front/A1", "stays", "(< next 90)") == (bare.id, bare.name, bare.term)
+    assert ("t/A1", "stays", "(< next 90)") == (bare.id, bare.name, bare.term)
     assert ("statement", "source", "owner", "check") == bare.lacks
-    assert ("front/A2", (), "supplier") == (said.id, said.lacks, said.owner)
+    assert ("t/A2", (), "supplier") == (said.id, said.lacks, said.owner)
     assert [("accuracy_mm", "12", "mm", True)] == [
         (one.name, one.value, one.unit, one.to_confirm) for one in said.figures
     ]
@@ -113,17 +114,33 @@ def test_the_law_of_the_border_is_complete() -> None:
 
 
 def test_the_register_of_several_targets() -> None:
-    """It has the laws of each in order, and that of the border once, at the end."""
-    targets = [load_target("emitter"), load_target("delocalized")]
+    """It has each law once with the targets that rest on it, in order, and that of the border at the end."""
+    targets = [load_target(name) for name in ("odometry", "delocalized", "supervised_odometry")]
     found = register_of(targets)
-    assert [*(one for target in targets for one in register(target)), of_border()] == [one for _, one in found.rows]
-    assert ("every target on records", to_confirm(targets)) == (found.rows[-1][0], found.to_confirm)
-    assert 0 < found.observable <= len(found.rows)
+    once = dict.fromkeys(one.id for target in targets for one in register(target))
+    assert [*once, "border/B1"] == [row.one.id for row in found.rows]
+    assert ("odometry", "supervised_odometry") == found.rows[0].targets
+    assert (("every target on records",), of_border()) == (found.rows[-1].targets, found.rows[-1].one)
+    assert figures_to_confirm(targets) == found.to_confirm
+    assert 0 < found.observable < found.left_to_others == len(found.rows)
 
 
-def test_figures_from_memory_are_counted_by_target() -> None:
+def test_a_law_that_one_of_two_targets_guarantees_is_left_to_others() -> None:
+    """By itself the machine behind the source has to rely on it; where odometry stands before it, that is proved."""
+    (row,) = (
+        row
+        for row in register_of([load_target("delocalized"), load_target("supervised_odometry")]).rows
+        if row.guaranteed
+    )
+    assert (("supervised_odometry",), True) == (row.guaranteed, row.is_left_to_others)
+    (row,) = (row for row in register_of([load_target("supervised_odometry")]).rows if row.guaranteed)
+    assert not row.is_left_to_others
+
+
+def test_figures_from_memory_are_counted_once() -> None:
     """Only they: those read in a document or derived need no operator; one that was set here is no default."""
     target = Target("t", (), lower(machine("m")), (), Both())
-    assert {"t.front.accuracy_mm"} == set(to_confirm([target]))
-    assert {} == to_confirm([Target("t", (), target.system, ())])
+    (one,) = figures_to_confirm([target])
+    assert ("accuracy_mm", "12", ("t: front.accuracy_mm",), 1) == (one.name, one.value, one.places, one.values)
+    assert [] == figures_to_confirm([Target("t", (), target.system, ())])
     assert FROM_MEMORY == "[M]"

@@ -52,13 +52,15 @@ def test_list_shared_terms(call: Call) -> None:
 def test_list_assumptions(call: Call) -> None:
     """The register of a machine, as lines and as data: each law with what is said of it, and the figures to confirm."""
     listed = call("list", "assumptions", "--machine", "delocalized").out
-    assert "delocalized  delocalized/A1  " in listed
+    assert "delocalized/A1  " in listed and "    assumed by: delocalized\n" in listed
     assert "figures are from memory: the operator has to confirm them." in listed
     data = json.loads(call("list", "assumptions", "--machine", "delocalized", "--json").out)
     assert ["delocalized/A1", "border/B1"] == [one["id"] for one in data["assumptions"]]
-    assert ["no", "whole"] == [one["observable"] for one in data["assumptions"]]
+    assert [{"no: only with the truth": ["delocalized"]}, {"as a whole": ["every target on records"]}] == [
+        one["observable"] for one in data["assumptions"]
+    ]
     assert "    observable: no: only with the truth" in listed and "    observable: as a whole" in listed
-    assert "2 assumptions, 1 of them observable in operation; " in listed
+    assert "2 assumptions, that of records among them; 1 of them observable in operation; " in listed
     assert 2 == call("list", "assumptions", "--text", "x").code
 
 

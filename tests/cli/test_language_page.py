@@ -61,5 +61,5 @@ def test_only_one_clause_is_discharged(call: Call, tmp_path: Path) -> None:
     path = tmp_path / "discharged.py"
     path.write_text(BLOCKS[2], encoding="utf-8")
     listed = call("list", "assumptions", f"{path}:vehicle").out
-    assert "vehicle  door/A1  speed is limited  (guaranteed by another machine)\n" in listed
-    assert "vehicle  door/A2  contacts are dry\n" in listed
+    assert "vehicle/door/A1  speed is limited  (guaranteed by another machine)\n" in listed
+    assert "vehicle/door/A2  contacts are dry\n" in listed

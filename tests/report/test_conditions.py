@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.register import register, to_confirm
+from safeloc.assurance.register import register, register_of
 from safeloc.catalogue import load_target
 from safeloc.report.conditions import conditions, counts, figures, needs
 from safeloc.report.data import report_data
@@ -29,18 +31,37 @@ def test_every_law_is_there_once() -> None:
     assert len([law for law in found["laws"] if law["id"] == "odometry/A5" and "odometry" in law["targets"]]) == 1
 
 
-def test_figures_that_somebody_has_to_confirm_are_there() -> None:
-    """By name and value, as the register counts them."""
-    found = conditions(machines("odometry", "balise"))["figures"]
-    expected = {(one.name, one.value) for one in to_confirm(map(load_target, ("odometry", "balise"))).values()}
-    assert {(one["name"], one["value"]) for one in found} == expected
-    assert found
+def test_page_and_command_count_alike() -> None:
+    """Laws left to others and figures to confirm, of machines that share both; the command has the law of records besides."""
+    names = ("odometry", "supervised_odometry", "balise", "marker_device", "reflector_device")
+    found, listed = conditions(machines(*names)), register_of(list(map(load_target, names)))
+    assert listed.left_to_others == len(found["laws"]) + 1
+    assert [asdict(one) for one in listed.to_confirm] == found["figures"]
+    assert {law["id"] for law in found["laws"]} | {"border/B1"} == {
+        row.one.id for row in listed.rows if row.is_left_to_others
+    }
+
+
+def test_a_figure_to_confirm_stands_once() -> None:
+    """With every place that has it; figures of one name that differ in value or source are told apart, and say so."""
+    same = {"name": "guard.brake", "value": "7", "unit": "mm/s2", "source": "[M] service brake"}
+    other = {**same, "name": "brake", "value": "9"}
+    known = [{"name": n, "parts": [], "evidence": None, "figures": f} for n, f in {
+        "a": [same, {**same, "name": "read", "source": "[S] read"}], "b": [{**same, "name": "brake"}], "c": [other],
+    }.items()]  # fmt: skip
+    first, second = conditions(known)["figures"]
+    assert ("brake", "7", 2, ("a: guard.brake", "b: brake")) == (
+        first["name"], first["value"], first["values"], first["places"]
+    )  # fmt: skip
+    assert ("brake", "9", 2, ("c: brake",)) == (second["name"], second["value"], second["values"], second["places"])
 
 
 def test_figures_have_their_values() -> None:
-    """All of them where two parts of a configuration differ; a name that the configuration has not stands alone."""
+    """Those of the law's own part; all of them where it has none and two others differ; a name that the configuration has not stands alone."""
     made = {"figures": [{"name": "a.rate", "value": "1", "unit": "ppm"}, {"name": "b.rate", "value": "2", "unit": ""}]}
-    assert figures({"figures": ["rate", "gone"]}, made) == ["rate = 1 ppm or 2", "gone"]
+    law = {"figures": ["rate", "gone"]}
+    assert figures(law, made, "m") == ["rate = 1 ppm or 2", "gone"]
+    assert figures(law, made, "b") == ["rate = 2", "gone"]
 
 
 def core(claim: str, *elements: tuple[str, str], why_none: str = "") -> dict[str, Any]:
@@ -77,7 +98,10 @@ def test_the_page_has_the_list_and_the_needs() -> None:
     data = report_data([], [load_target("odometry")])
     page = to_html(data)
     assert '<h2 id="conditions" class="own-page">Conditions for the safety case</h2>' in page
-    assert '<td class="id">odometry/A1</td>' in page
+    assert '<tr id="condition-odometry-A1" data-owner="' in page
+    assert '<td class="id"><a href="#law-odometry-odometry-A1">odometry/A1</a>' in page
+    assert '<a class="id" href="#condition-odometry-A1">odometry/A1</a>' in page  # and back
+    assert "models/odometry/world.py:" in page
     assert "safeloc verify --evidence" in page
     assert 'id="law-odometry-odometry-A1"' in page
 
@@ -85,6 +109,7 @@ def test_the_page_has_the_list_and_the_needs() -> None:
 def law(name: str, *terms: str, owner: str = "operator", source: str = "", **more: Any) -> dict[str, Any]:
     """A law as a report has it."""
     said = {"id": f"m/{name}", "name": name, "statement": "", "owner": owner, "source": source, "figures": []}
+    said |= {"observable": "as a whole"}
     return {**said, "terms": list(terms), "parts": [], "guaranteed": False, **more}
 
 
@@ -113,7 +138,8 @@ def test_the_headline_and_the_list_have_one_number() -> None:
     page = to_html(data)
     number = data["conditions"]["assumptions"]
     assert f"It rests on {number} assumptions;" in page
-    assert number == page.count("<tr data-owner=")
+    assert number == len(re.findall('<tr id="condition-[^>]* data-owner=', page))
+    assert page.count('<span class="memory">[M]</span>') == page.count("data-confirm>") > 0
     assert f'<td><b>all</b></td><td class="n"><b>{number}</b></td>' in page
 
 
@@ -128,4 +154,22 @@ def test_each_owner_has_a_sum_and_what_is_to_be_confirmed() -> None:
     assert [["a = 1 mm [M]", "b = 2"], ["b = 2"], []] == [one["figures"] for one in found["laws"]]
     assert [True, False, True] == [one["confirm"] for one in found["laws"]]
     assert [("operator", 2, 1), ("none", 1, 1)] == [(o["owner"], o["laws"], o["confirm"]) for o in found["owners"]]
-    assert {"assumptions": 3, "without_owner_or_source": 3, "figures_to_confirm": 1} == counts(found)
+    assert {
+        "assumptions": 3, "true_by_definition": 0, "without_owner_or_source": 3, "figures_to_confirm": 1
+    } == counts(found)  # fmt: skip
+
+
+def test_what_is_true_by_definition_needs_no_owner() -> None:
+    """Headline and sums by owner speak of the same laws."""
+    found = conditions([machine("one", law("A1", "x"), law("A2", "y", owner="nobody", source="[D] arithmetic"))])
+    assert 1 == counts(found)["true_by_definition"]
+    assert {"operator": 1, "nobody": 1} == {one["owner"]: one["laws"] for one in found["owners"]}
+    page = to_html(report_data([], [load_target("turn_off")]))
+    assert "that somebody has to ensure, and" in page and "(owner: nobody); none without an owner or a source" in page
+
+
+def test_what_shows_in_operation_is_told_for_each_machine() -> None:
+    """A law may show against another one in a composition and not by itself."""
+    shows = machine("two", law("A1", "x", observable="against m: b"))
+    (found,) = conditions([machine("one", law("A1", "x")), shows, machine("three", law("A1", "x"))])["laws"]
+    assert {"as a whole": ["one", "three"], "against m: b": ["two"]} == found["seen"]

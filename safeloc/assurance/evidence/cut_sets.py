@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from safeloc.assurance.evidence.effects import Effect
-from safeloc.language.system import TransitionSystem
 from safeloc.proof.cores.clauses import ClauseId
 
 TOP = "a reported interval misses the truth"
@@ -30,46 +29,36 @@ def cut_sets(effects: Iterable[Effect]) -> CutSets:
     )
 
 
-def numbered(system: TransitionSystem) -> dict[ClauseId, str]:
-    """Return the number of every clause in the register of assumptions, such as "odometry/A3"."""
-    return {
-        ClauseId(machine.name, name): f"{machine.name}/A{number}"
-        for machine in system.machines
-        for number, name in enumerate(machine.world.laws, 1)
-    }
-
-
-def to_open_psa(system: TransitionSystem, sets: CutSets) -> str:
+def to_open_psa(name: str, sets: CutSets, ids: Mapping[ClauseId, str]) -> str:
     """Return the cut sets as a fault tree in the Open-PSA model exchange format: a basic event is the breach of a clause.
 
     Undecided sets are comments, since they are no events.
     """
-    numbers = numbered(system)
     root = ElementTree.Element("opsa-mef")
     for one in sets.undecided:
-        root.append(ElementTree.Comment(f" not decided: {' and '.join(numbers[clause] for clause in one)} "))
-    tree = ElementTree.SubElement(root, "define-fault-tree", name=_name(system.name))
+        root.append(ElementTree.Comment(f" not decided: {' and '.join(ids[clause] for clause in one)} "))
+    tree = ElementTree.SubElement(root, "define-fault-tree", name=_name(name))
     gate = ElementTree.SubElement(tree, "define-gate", name="interval_misses_the_truth")
     ElementTree.SubElement(gate, "label").text = TOP
     if sets.found:
-        _formula(gate, sets.found, numbers)
+        _formula(gate, sets.found, ids)
     else:
         ElementTree.SubElement(gate, "constant", value="false")
     data = ElementTree.SubElement(root, "model-data")
     for clause in dict.fromkeys(clause for one in sets.found for clause in one):
-        event = ElementTree.SubElement(data, "define-basic-event", name=_name(numbers[clause]))
+        event = ElementTree.SubElement(data, "define-basic-event", name=_name(ids[clause]))
         ElementTree.SubElement(event, "label").text = f"broken: {clause}"
     ElementTree.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'
 
 
-def _formula(gate: ElementTree.Element, sets: Sequence[tuple[ClauseId, ...]], numbers: dict[ClauseId, str]) -> None:
+def _formula(gate: ElementTree.Element, sets: Sequence[tuple[ClauseId, ...]], ids: Mapping[ClauseId, str]) -> None:
     """Add the sets to the gate. A single set is added directly: `or` needs two inputs."""
     parent = gate if len(sets) == 1 else ElementTree.SubElement(gate, "or")
     for one in sets:
         holder = parent if len(one) == 1 else ElementTree.SubElement(parent, "and")
         for clause in one:
-            ElementTree.SubElement(holder, "basic-event", name=_name(numbers[clause]))
+            ElementTree.SubElement(holder, "basic-event", name=_name(ids[clause]))
 
 
 def _name(text: str) -> str:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.evidence.cut_sets import TOP, CutSets, numbered
+from safeloc.assurance.evidence.cut_sets import TOP, CutSets
 from safeloc.assurance.evidence.effects import CYCLES, Effect
+from safeloc.assurance.law_ids import ids_of
 from safeloc.proof.cores.clauses import laws
 from safeloc.target import Target
 
@@ -37,7 +38,7 @@ def cycles(number: int) -> str:
 
 def faults_data(target: Target, effects: Sequence[Effect], sets: CutSets) -> dict[str, Any]:
     """Return the effects and the minimal cut sets as data for JSON."""
-    numbers, declared = numbered(target.system), laws(target.system)
+    numbers, declared = ids_of(target), laws(target.system)
     rows = []
     for one in effects:
         row = asdict(one)

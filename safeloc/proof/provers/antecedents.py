@@ -18,7 +18,7 @@ from safeloc.language.spec import Goal, Property, watch
 from safeloc.language.system import Part, TransitionSystem, environment, first_without_the_world, in_range
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
-from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict
+from safeloc.language.verdict import SEVERAL_RUNS, Proved, Unknown, Vacuous, Verdict
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.implication import unproved
@@ -153,7 +153,7 @@ class Found:
             return Unknown("; ".join(f"{_named(case)} is neither found nor excluded" for case in open_))
         if never:
             return Vacuous("; ".join(map(_never, never)))
-        return Proved(None, "recordings and bounded search")
+        return Proved(None, SEVERAL_RUNS)
 
 
 def _named(case: Case) -> str:

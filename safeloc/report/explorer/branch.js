@@ -121,11 +121,34 @@ class Inputs {
     this.fields = live.inputs.map((one) => [one, fieldOf(one)]);
     const row = ([one, field]) => element("p", {}, element("label", { for: field.id }, one.name), field, this.release(one), element("span", { class: "soft" }, rangeOf(one)));
     this.releases = new Map();
-    const own = this.fields.filter(([one]) => !one.ghost).map(row);
-    const world = this.fields.filter(([one]) => one.ghost).map(row);
+    this.rows = this.fields.map((pair) => ({ name: pair[0].name, of: groupOf(pair[0]), row: row(pair) }));
     this.own = new Set(); // names that somebody set: they stay where the others follow the recording
     for (const [one, field] of this.fields) field.addEventListener("input", () => this.choose(one.name, true));
-    box.replaceChildren(...own, ...(world.length ? [element("details", {}, element("summary", {}, `${world.length} inputs of the world: how the train moves and its sensors err`), ...world)] : []));
+    this.box = box;
+    this.arrange();
+  }
+
+  /* What was set by hand first, then each machine's inputs, then those of the world; rows keep their fields and what is in them. */
+  arrange() {
+    const world = this.rows.filter(({ of }) => of === WORLD);
+    const rest = this.rows.filter(({ of, name }) => of !== WORLD && !this.own.has(name));
+    const groups = [[YOURS, this.rows.filter(({ name }) => this.own.has(name))], ...[...new Set(rest.map(({ of }) => of))].map((of) => [of, rest.filter((one) => one.of === of)])];
+    const heads = groups.filter(([, rows]) => rows.length).map(([of, rows]) => element("div", { role: "group", "aria-label": of || "inputs" }, of ? element("h3", {}, of) : null, ...rows.map(({ row }) => row)));
+    const left = world.filter(({ name }) => !this.own.has(name)).map(({ row }) => row);
+    this.world = element("details", { open: this.world?.open ?? false }, element("summary", {}, `${world.length} inputs of the world: how the train moves and its sensors err`), ...left);
+    this.box.replaceChildren(...heads, ...(world.length ? [this.world] : []));
+    this.filter(this.words ?? "");
+  }
+
+  /* Shows the inputs that have all of these words in their name; returns how many there are. */
+  filter(text) {
+    this.words = text;
+    const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+    for (const { name, row } of this.rows) row.hidden = !words.every((word) => name.toLowerCase().includes(word));
+    for (const group of this.box.querySelectorAll("[role=group]")) group.hidden = [...group.querySelectorAll("p")].every((row) => row.hidden);
+    this.world.hidden = [...this.world.querySelectorAll("p")].every((row) => row.hidden);
+    if (words.length && !this.world.hidden) this.world.open = true;
+    return this.rows.filter(({ row }) => !row.hidden).length;
   }
 
   release(one) {
@@ -139,12 +162,24 @@ class Inputs {
     this.own[isOwn ? "add" : "delete"](name);
     this.releases.get(name).hidden = !isOwn;
     if (!isOwn) this.fill(this.filled);
+    this.changed?.();
+  }
+
+  /* Marks these as set by hand, with their values in a step: what a link holds of the form. */
+  restore(names, given) {
+    for (const [one, field] of this.fields) {
+      if (!names.includes(one.name)) continue;
+      field.value = String(given[one.name] ?? "");
+      this.own.add(one.name);
+      this.releases.get(one.name).hidden = false;
+    }
   }
 
   /* Fills in what was given in a step; what somebody set stays. */
   fill(given) {
     this.filled = given;
-    for (const [one, field] of this.fields) if (!this.own.has(one.name)) field.value = String(given[one.name] ?? "");
+    for (const [one, field] of this.fields) if (!this.own.has(one.name)) field.value = String(given[one.name] ?? atRest(one));
+    this.arrange();
   }
 
   /* These inputs of the recording, with what somebody set in their place. */
@@ -160,12 +195,27 @@ class Inputs {
     for (const [one, field] of this.fields) {
       const text = field.value.trim();
       if (text === "" && one.optional) continue;
-      if (one.kind === "integer" && !/^-?\d+$/.test(text)) throw new RangeError(`${one.name}: ${text || "nothing"} is no whole number.`);
+      if (one.kind === "integer" && !/^-?\d+$/.test(text)) throw new RangeError(text ? `${one.name}: ${text} is no whole number.` : `${one.name} is empty, but it cannot be absent: give a whole number, ${rangeOf(one)}.`);
       found[one.name] = one.kind === "integer" ? BigInt(text) : one.kind === "boolean" ? text === "true" : text;
     }
     return found;
   }
 }
+
+/* What an input has where nothing is recorded of it: absent, or the value nearest to zero, or the first. */
+function atRest(one) {
+  if (one.optional) return "";
+  if (one.kind === "boolean") return "false";
+  if (one.kind !== "integer") return one.values[0];
+  const [least, most] = [BigInt(one.least), BigInt(one.most)];
+  return least > 0n ? least : most < 0n ? most : 0n;
+}
+
+const YOURS = "set by you";
+const WORLD = "world";
+
+/* The group of an input: the world, the machine of a composition that it belongs to, or none. */
+const groupOf = ({ ghost, name }) => (ghost ? WORLD : name.includes(".") ? name.slice(0, name.indexOf(".")) : "");
 
 /* Inputs without those that are absent. */
 const present = (given) => Object.fromEntries(Object.entries(given).filter(([, value]) => value !== null && value !== undefined));

@@ -1,6 +1,6 @@
 /* Lanes of modes and line charts of a run, all on one scale of steps. A click or a drag moves the cursor, or zooms. */
 
-const LEFT = 78;
+const LEFT = 94; // as wide as 1 000 000 000
 const RIGHT = 12;
 const TALL = 150;
 const LANE = 22;

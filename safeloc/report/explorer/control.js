@@ -1,6 +1,7 @@
 /* Opens a run by its link, and moves through it: buttons, keys, play, and the link of every step. */
 
 const APART_MS = 220; // between two steps while it plays
+const FEW_INPUTS = 12; // fit on the screen
 const MOST_OF_LINK = 8000; // characters, which every browser and mail program takes
 
 const known = JSON.parse(place("run-known").textContent);
@@ -24,7 +25,7 @@ function remember() {
   if (!view || playing) return;
   const more = { ...(view.part ? { machine: view.part } : {}), ...(view.plotted.length ? { chart: view.plotted.join(",") } : {}) };
   const { trace } = view;
-  const branch = trace.from === undefined ? {} : { of: view.data.declaration, from: trace.from, take: JSON.stringify(trace.changes()) };
+  const branch = trace.from === undefined ? {} : { of: view.data.declaration, from: trace.from, take: JSON.stringify(trace.changes()), ...chosenToGoOn() };
   asked = linkTo(view.result, view.step, { ...more, ...branch }, view.watched);
   const tooLong = asked.length > MOST_OF_LINK;
   place("run-if-link").textContent = tooLong ? `This run is too long for a link (${shown(asked.length, null)} characters, at most ${shown(MOST_OF_LINK, null)}): save it as a stream. The link leads to the step at which it branches off.` : "";
@@ -37,6 +38,26 @@ function moved() {
   clearTimeout(soon);
   soon = setTimeout(remember, 150);
   say();
+}
+
+/* How a run with other inputs is to go on: what a link holds of the form beside the steps. */
+function chosenToGoOn() {
+  const [how, until, most] = ["how", "until", "most"].map((name) => place(`run-if-${name}`).value);
+  return { how, ...(until ? { until } : {}), most, ...(inputs.own.size ? { yours: [...inputs.own].join(",") } : {}) };
+}
+
+/* The same out of a link; what the machine has not, or a link of an earlier version has not, stays as it is. */
+function chooseToGoOn(words) {
+  for (const name of ["how", "until"]) {
+    const field = place(`run-if-${name}`);
+    if ([...field.options].some(({ value }) => value === words.get(name))) field.value = words.get(name);
+  }
+  const most = Number(words.get("most"));
+  if (Number.isInteger(most) && most >= 1 && most <= MOST_STEPS) place("run-if-most").value = String(most);
+  const yours = (words.get("yours") ?? "").split(",").filter(Boolean);
+  if (view.trace.taken.length) inputs.restore(yours, view.trace.taken.at(-1));
+  refill();
+  moved();
 }
 
 /* ------------------------------------------------------ opening */
@@ -116,6 +137,7 @@ function takeLink(words, live, flaw) {
     const branch = new Branch(trace, live, from);
     branch.follow(changesOf(words.get("take")), data.signals);
     begin(branch, live);
+    chooseToGoOn(words);
     go(Number(words.get("step") || branch.steps));
   } catch (error) {
     place("run-flaw").hidden = false;
@@ -158,7 +180,8 @@ function choices(read, result, data) {
 }
 
 function wordOf(result, trace, data) {
-  const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}`;
+  const member = memberOf(data, trace);
+  const steps = `${trace.steps} step${trace.steps === 1 ? "" : "s"}${member ? ` of ${member} by itself` : ""}`;
   if (data.results[result]?.verdict === "unknown") return `a counterexample to induction, ${steps} from a state that keeps all that is proved to one that breaks the property; no run need come there`;
   if (data.results[result]?.defence) return `a defence: a run of ${steps} that breaks a law of the world, to which the machine answers in its last step`;
   const broken = [...new Set((data.results[result]?.broken ?? []).map(([, step]) => step))];
@@ -251,7 +274,7 @@ let inputs = null;
 /* Offers to branch off where the machine itself is in the page and the run is one of the whole of it. */
 function offer(live) {
   place("run-if-open").hidden = !live?.fits;
-  branching(live?.fits && view.trace.from !== undefined);
+  branching(Boolean(live?.fits) && view.trace.from !== undefined);
 }
 
 function branching(on) {
@@ -269,6 +292,9 @@ function branchOff() {
 
 function begin(branch, live) {
   inputs = new Inputs(place("run-if-inputs"), live);
+  inputs.changed = moved;
+  place("run-if-filter").value = "";
+  filterInputs();
   place("run-if-how").value = branch.steps < branch.stored.steps ? "recorded" : "repeat"; // after the recording's end there is nothing to follow
   untils();
   showBranch(view.data, branch);
@@ -281,6 +307,13 @@ function refill() {
   const next = trace.steps + 1;
   const recorded = place("run-if-how").value === "recorded" || !trace.taken.length;
   inputs.fill(recorded ? trace.storedInputs(Math.min(next, trace.stored.steps)) : trace.taken.at(-1));
+}
+
+/* Leaves the inputs whose names have the words of the filter; of a few inputs nobody needs one. */
+function filterInputs() {
+  const found = inputs.filter(place("run-if-filter").value);
+  place("run-if-filters").hidden = inputs.rows.length <= FEW_INPUTS;
+  place("run-if-found").textContent = `${found} of ${inputs.rows.length}`;
 }
 
 /* Until what the machine may go on: its position, its modes, or an output. */
@@ -336,6 +369,8 @@ function sayBranch(branch) {
     const to = element("button", { class: "quiet violated", onclick: () => go(step) }, `step ${step}`);
     return element("p", { class: "violated" }, element("b", {}, `violated: ${name}`), spoken(statement) === name ? " " : `, ${spoken(statement)} `, to);
   });
+  const laws = branch.steps > branch.from ? view.live.broken(branch.steps) : [];
+  if (laws.length) lines.push(element("p", { class: "unknown" }, `Step ${branch.steps} breaks ${laws.join("; ")}. What would be lawful stands below, at \u201cthis step\u201d.`));
   const { silent } = branch;
   if (silent.length) lines.push(element("p", { class: "unknown" }, `From step ${silent[0].step} on ${silent.length} of ${many.replace(/ (is|are)$/, "")} say nothing, since a step broke what they assume.`));
   place("run-if-broken").replaceChildren(...lines);
@@ -501,6 +536,8 @@ place("run-watch").addEventListener("submit", (event) => {
 });
 place("run-filter").addEventListener("input", () => view?.showValues());
 place("run-if-how").addEventListener("change", () => view?.trace.from !== undefined && refill());
+for (const name of ["how", "until", "most"]) for (const kind of ["change", "input"]) place(`run-if-${name}`).addEventListener(kind, () => view && moved());
+place("run-if-filter").addEventListener("input", filterInputs);
 place("run-filter").addEventListener("keydown", (event) => {
   if (event.key !== "Enter") return;
   event.preventDefault(); // else the key would press the button that has the focus then

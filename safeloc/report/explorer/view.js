@@ -14,6 +14,7 @@ class View {
     this.plotted = [];
     this.known = new Map();
     this.parts = new Map(data.parts.map((part) => [part.name, part]));
+    this.member = memberOf(data, trace);
     this.diagram = new Diagram(place("run-diagram"));
     this.fired = this.firingSteps();
     this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
@@ -53,8 +54,11 @@ class View {
     return this.trace.results[0];
   }
 
+  /* Unit and labels of a name; a machine of a composition that runs by itself has its names without that of the machine. */
   signal(name) {
-    return this.data.signals[name];
+    const { signals } = this.data;
+    const own = this.member ? signals[`${this.member}.${name}`] ?? this.parts.get(this.member)?.signals[name] : undefined;
+    return own ?? signals[name];
   }
 
   /* ---------------------------------------------------- names */
@@ -93,11 +97,12 @@ class View {
   }
 
   machineOf(name) {
-    return name.endsWith(".fired") ? name.slice(0, -".fired".length) : this.data.parts.length === 1 ? this.data.parts[0].name : this.trace.machine.split(" ").at(-1);
+    return name.endsWith(".fired") ? name.slice(0, -".fired".length) : this.data.parts.length === 1 ? this.data.parts[0].name : this.member;
   }
 
   modeOf(machine, step) {
-    const name = this.trace.first.has(`${machine}.mode`) ? `${machine}.mode` : "mode";
+    const name = !this.member && this.trace.first.has(`${machine}.mode`) ? `${machine}.mode` : "mode";
+    if (this.member && machine !== this.member) return ""; // it does not run here
     const value = this.trace.at("state", name, step);
     return value === null ? "" : shown(value, this.signal(name) ?? this.signal(`${machine}.mode`));
   }
@@ -278,7 +283,7 @@ class View {
     }
     lines.unshift(...this.broken.filter(([, step]) => step === this.step).map((one) => this.brokenLine(one)));
     const laws = this.live?.broken(this.step) ?? [];
-    if (laws.length) lines.push(element("p", { class: "unknown" }, `No proof speaks of what follows: this step breaks ${laws.length > 1 ? "the laws" : "the law"} \u201c${laws.join("\u201d, \u201c")}\u201d.`));
+    if (laws.length) lines.push(element("p", { class: "unknown" }, `No proof speaks of what follows: this step breaks ${laws.length > 1 ? `${laws.length} laws` : "a law"} of the world.`), ...laws.map((name) => this.lawLine(name)));
     if (!this.step) lines.push(element("p", { class: "soft" }, "the state before the first step"));
     replaced(place("run-fired"), ...lines);
   }
@@ -291,6 +296,17 @@ class View {
     if (!asked) return head;
     const late = asked.steps > 0 ? [element("p", { class: "soft" }, `The response has not come within ${asked.steps} steps; this is it:`)] : [];
     return element("div", {}, head, fold(`claim/${claim}`, ["the part that fails, with its values"], () => [...late, ...wholeTerm(seen, seen.asked(asked), `claim/${claim}`)], { open: true }));
+  }
+
+  /* A law that the step breaks: its id, what it says, and the parts of its term that would have to be otherwise, with their values. */
+  lawLine(law) {
+    const seen = this.live.seen(this.step);
+    const [machine, name] = apart(law);
+    const [id, statement] = this.parts.get(machine)?.laws?.[name] ?? ["", ""];
+    const head = element("p", {}, element("b", { class: "unknown" }, `broken: ${name}`), element("span", { class: "soft" }, ` ${id}`), statement ? element("br") : null, spoken(statement));
+    const at = seen?.law(law);
+    const lines = () => [element("p", { class: "soft" }, "Lawful is a step in which this is true; false parts are those that break it:"), ...wholeTerm(seen, at, `law/${law}`)];
+    return element("div", {}, head, at === undefined ? null : fold(`law/${law}`, ["what would be lawful"], lines, { open: true }));
   }
 
   firedLine(machine, name) {
@@ -319,8 +335,13 @@ class View {
 
   /* Of a composition, the machine that was chosen, else one that changed its mode, else the one before. */
   showDiagram() {
+    if (this.member) return this.showPart(this.parts.get(this.member));
     const changed = this.data.parts.find(({ name }) => this.step && this.modeOf(name, this.step) !== this.modeOf(name, this.step - 1));
     const part = this.parts.get(this.part) ?? changed ?? this.diagram.part ?? this.data.parts[0];
+    this.showPart(part);
+  }
+
+  showPart(part) {
     if (!part) return;
     const before = this.modeOf(part.name, Math.max(0, this.step - 1));
     this.diagram.show(part, before, this.modeOf(part.name, this.step));
@@ -438,6 +459,12 @@ class View {
     this.markStep();
   }
 }
+
+/* The machine of a composition that a run is of, if it is one of that machine by itself; nothing for a run of the whole. */
+const memberOf = (data, trace) => (data.parts.length > 1 && trace.machine.startsWith(`${data.name} `) ? trace.machine.slice(data.name.length + 1) : "");
+
+/* "machine: name" in its two parts. */
+const apart = (text) => [text.slice(0, text.indexOf(": ")), text.slice(text.indexOf(": ") + 2)];
 
 function write(one, cell, text) {
   if (one.texts[cell] !== text) one.cells[cell].textContent = one.texts[cell] = text;

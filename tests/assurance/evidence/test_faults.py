@@ -9,9 +9,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from safeloc.assurance.evidence.cut_sets import CutSets, cut_sets, numbered, to_open_psa
+from safeloc.assurance.evidence.cut_sets import CutSets, cut_sets, to_open_psa
 from safeloc.assurance.evidence.effects import Effect, Run
 from safeloc.assurance.evidence.fault_work import Breaking, from_data, planned
+from safeloc.assurance.law_ids import ids_of
 from safeloc.language.composition import compose
 from safeloc.language.expr import number
 from safeloc.language.interpret import run
@@ -166,7 +167,9 @@ def test_clauses_of_a_composition_are_those_of_its_machines() -> None:
     assert [*every][:2] + [*every][3:] == [*assumed_clauses(broken)]
     assert broken.parts[0].alone is both.system.parts[0].alone
     assert broken.parts[1].alone.assume is not both.system.parts[1].alone.assume
-    assert "one/A2" == numbered(both.system)[ClauseId("one", "is low")]
+    assert (
+        "both/one/A2" == ids_of(Target("both", _pair(), both.system, (), spec="own.py:both"))[ClauseId("one", "is low")]
+    )
 
 
 def test_a_clause_that_is_not_assumed_is_refused() -> None:
@@ -182,7 +185,7 @@ def test_a_clause_that_is_not_assumed_is_refused() -> None:
 def test_the_fault_tree_is_open_psa() -> None:
     """One `or` of events and of `and`s; every event is defined once; what is not decided stands in a comment."""
     sets = CutSets(((MEASURED,), (FIRST, SECOND)), ((ENDS,),))
-    text = to_open_psa(target().system, sets)
+    text = to_open_psa("receivers", sets, ids_of(target()))
     root = ElementTree.fromstring(text.partition("\n")[2])
     gate = root.find("define-fault-tree/define-gate")
     assert gate is not None
@@ -197,9 +200,11 @@ def test_the_fault_tree_is_open_psa() -> None:
 
 def test_one_event_needs_no_gate_and_none_is_never_true() -> None:
     """An `or` of one would be no formula of the format."""
-    alone = ElementTree.fromstring(to_open_psa(target().system, CutSets(((MEASURED,),), ())).partition("\n")[2])
+    alone = ElementTree.fromstring(
+        to_open_psa("receivers", CutSets(((MEASURED,),), ()), ids_of(target())).partition("\n")[2]
+    )
     assert alone.find("define-fault-tree/define-gate/basic-event") is not None
-    none = ElementTree.fromstring(to_open_psa(target().system, CutSets((), ())).partition("\n")[2])
+    none = ElementTree.fromstring(to_open_psa("receivers", CutSets((), ()), {}).partition("\n")[2])
     constant = none.find("define-fault-tree/define-gate/constant")
     assert constant is not None and "false" == constant.get("value")
 
@@ -207,9 +212,9 @@ def test_one_event_needs_no_gate_and_none_is_never_true() -> None:
 @pytest.mark.parametrize("sets", [CutSets(((MEASURED,), (FIRST, SECOND)), ((ENDS,),)), CutSets((), ())])
 def test_the_picture_names_every_set(sets: CutSets) -> None:
     """In words, the undecided ones marked; it is well-formed."""
-    drawn = fault_tree("receivers", sets, numbered(target().system))
+    drawn = fault_tree("receivers", sets, ids_of(target()))
     told = "".join(ElementTree.fromstring(drawn).itertext())
     for one in (*sets.found, *sets.undecided):
-        assert " AND ".join(f"{numbered(target().system)[clause]} {clause.name}" for clause in one) in told
+        assert " AND ".join(f"{ids_of(target())[clause]} {clause.name}" for clause in one) in told
     assert ("(not decided)" in told) is bool(sets.undecided)
     assert ("no breach of one clause" in told) is not bool(sets.found)

@@ -1,0 +1,52 @@
+"""The words of the project that a report uses, with their meaning, out of the glossary that is installed with safeloc.
+
+An assessor has the folder of the report alone, so they stand in its page.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import safeloc
+
+_PACKAGE = Path(safeloc.__file__).resolve().parent
+_ROW = re.compile(r"\| (?P<here>[^|]+) \| (?P<standard>[^|]+) \| [^|]+ \| (?P<meaning>[^|]+) \|")
+_LINK = re.compile(r"\[([^\]]+)\]\([^)]+\)")
+
+
+@dataclass(frozen=True)
+class Word:
+    """A word of the project, the standard term for it, and what it means."""
+
+    here: str
+    standard: str
+    meaning: str
+
+
+def words_in(text: str) -> list[Word]:
+    """Return the words of the glossary that occur in a text, in the order of the glossary; none where it is not installed."""
+    return [one for one in _glossary() if any(_occurs(name, text) for name in one.here.split(", "))]
+
+
+def _occurs(name: str, text: str) -> bool:
+    return re.search(rf"\b{re.escape(name)}(?:s|es)?\b", text, re.IGNORECASE) is not None
+
+
+@cache
+def _glossary() -> tuple[Word, ...]:
+    for found in (_PACKAGE / "docs" / "glossary.md", _PACKAGE.parent / "docs" / "glossary.md"):
+        if found.is_file():
+            return tuple(_rows(found.read_text(encoding="utf-8")))
+    return ()
+
+
+def _rows(text: str) -> Iterator[Word]:
+    """Yield the rows of the tables of words; heads and lines below them are none."""
+    for line in text.partition("\n## Words\n")[2].splitlines():
+        row = _ROW.fullmatch(line)
+        if row and row["here"] != "here" and not row["here"].startswith("-"):
+            yield Word(*(_LINK.sub(r"\1", row[name].replace("`", "")) for name in ("here", "standard", "meaning")))
