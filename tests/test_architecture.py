@@ -89,7 +89,7 @@ KNOWS = {
     "reported": ("language",),
     "runtime": ("language", "codegen", "reported", "target", "config"),
     "proof": ("language", "codegen", "runtime", "target", "yices"),
-    "assurance": ("language", "codegen", "runtime", "proof", "target", "reported", "catalogue", "config"),
+    "assurance": ("language", "codegen", "runtime", "proof", "target", "reported", "catalogue", "config", "own_module"),
     "railway.pictures": ("language", "reported"),
     "railway.map": ("language", "runtime", "railway.pictures", "config"),
     "railway.audit": ("language", "models", "railway.map"),

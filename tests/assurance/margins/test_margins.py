@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.assurance.evidence.interval import HOLDS
 from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
@@ -101,9 +102,11 @@ def test_singles_are_kept(line: Target, tmp_path: Path) -> None:
 
 
 def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
-    """The balise machine adds the accuracy of a group as it is configured: a group 1 mm farther off breaks containment."""
-    found = limit_of(load_target("balise"), "default_accuracy_mm", "up", "world")
-    assert (found.margin, found.end.end) == (0, "broken")
+    """The balise machine adds what the odometer's law says: a rate of 1 ppm more breaks containment, whatever else holds."""
+    target = load_target("balise")
+    asking = Asking(target, "world", LIMITS, [HOLDS])
+    found = limit(asking, figures(target)["odometer.rate_ppm"], "up")
+    assert (found.margin, found.beyond, found.end.end, found.end.claim) == (0, 50_001, "broken", HOLDS)
 
 
 def test_a_range_of_the_world_moves_with_its_figure() -> None:
