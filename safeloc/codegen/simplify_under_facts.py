@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 from safeloc.codegen.merge_choices import is_magnitude
 from safeloc.language.nodes import (
@@ -59,7 +60,7 @@ class Known:
     decide  what is known of comparisons besides, such as from the ranges of variables
     """
 
-    def __init__(self, facts: Mapping[Expr, Expr], decide: Decide | None = None) -> None:
+    def __init__(self, facts: Mapping[Any, Expr], decide: Decide | None = None) -> None:
         self._decide = decide
         self._done: dict[Expr, Expr] = dict(facts)
         self._kept: dict[tuple[object, ...], Expr] = {}

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from safeloc.errors import InputError, ModelError
-from safeloc.language.expr import ONE, Bool, Expr, Lit, Num, all_of, any_of, as_bool, as_num, exact_to
+from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, any_of, as_bool, as_num, exact_to
 from safeloc.language.nodes import Truth, product
 from safeloc.language.renamed import hint
-from safeloc.language.units import Enumeration, Unit
+from safeloc.language.units import ONE, Enumeration, Unit
 
 _TOKEN = re.compile(
     r'\s*(?:(?P<number>\d+)|"(?P<label>[^"]*)"|(?P<sign><=|>=|!=|==|[-+*()<>=])|(?P<word>[A-Za-z_][\w.]*))'

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from safeloc.codegen.simplify_under_facts import Known
-from safeloc.language.expr import FALSE, TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Truth, Var, all_of, between
+from safeloc.language.expr import FALSE, TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, between
 from safeloc.language.interpret import evaluate
-from safeloc.language.nodes import Value
+from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.system import TransitionSystem, canonical, environment, in_range
 from safeloc.language.terms import conjuncts

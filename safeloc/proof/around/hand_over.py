@@ -14,9 +14,9 @@ from itertools import combinations
 from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Truth, Var, all_of, any_of
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of
 from safeloc.language.interpret import evaluate
-from safeloc.language.nodes import Value
+from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.units import Enumeration
 from safeloc.proof.around.course import Course, Piece, constant, difference, within
@@ -245,7 +245,7 @@ def _hull(pieces: Sequence[Piece]) -> Piece:
 
 def _both(one: Piece, other: Piece) -> Piece:
     ranges: dict[NumVar, Bounds] = {}
-    for var in {**one.fixed, **one.ranges, **other.fixed, **other.ranges}:
+    for var in dict.fromkeys([*one.fixed, *one.ranges, *other.fixed, *other.ranges]):
         if isinstance(var, NumVar) and not (var in one.fixed and one.fixed[var] == other.fixed.get(var)):
             (low, high), (least, most) = _of(one, var), _of(other, var)
             ranges[var] = min(low, least), max(high, most)

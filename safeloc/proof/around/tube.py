@@ -26,7 +26,6 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     Optional,
-    Truth,
     Var,
     all_of,
     any_of,
@@ -34,7 +33,7 @@ from safeloc.language.expr import (
     between,
     ite,
 )
-from safeloc.language.nodes import Value
+from safeloc.language.nodes import Truth, Value
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.units import COUNT, Enumeration
 from safeloc.proof.around.deviations import Channel, Deviations

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.expr import Bool, Truth, Var
-from safeloc.language.nodes import Value
+from safeloc.language.expr import Bool, Var
+from safeloc.language.nodes import Truth, Value
 from safeloc.language.spec import Goal
 from safeloc.proof.around.course import Course, Piece, Space, first_piece
 from safeloc.proof.around.hand_over import Detail, UnsettledError, hand_over, joined
@@ -80,14 +80,6 @@ class At:
 
 Outcome: TypeAlias = Holds | Breaks | Open
 Observe: TypeAlias = Callable[[Course], None]
-
-
-@dataclass(frozen=True)
-class Empty:
-    """No stream of the tube comes through this cycle, proved; the laws that exclude it are named, as far as they are found."""
-
-    cycle: int
-    laws: tuple[str, ...]
 
 
 @dataclass(eq=False)
@@ -197,13 +189,18 @@ class Windows:
 
     def _broken(self, course: Course, claim: Claim, cycle: int) -> Outcome:
         """Return the stream from the start that breaks a claim in a cycle."""
-        good = course.at(claim.goal.good, cycle)
-        assert isinstance(good, Bool)
-        query = Query("a stream", course.hypotheses(cycle), {0: good})
-        values = countermodel(query, self.limits.seconds)
-        if values is None:
-            return Open((cycle,), f"cycle {cycle} from the start: {Undecided('limit reached')}")
-        return Breaks(course.first_state(values), course.stream(values, cycle))
+        found = breaking(course, claim, cycle, self.limits)
+        return Open((cycle,), f"cycle {cycle} from the start: {Undecided('limit reached')}") if found is None else found
+
+
+def breaking(course: Course, claim: Claim, cycle: int, limits: Limits) -> Breaks | None:
+    """Return a stream that breaks a claim in a cycle of a course from the start, if the solver finds one."""
+    if course.end < cycle:
+        return None
+    good = course.at(claim.goal.good, cycle)
+    assert isinstance(good, Bool)
+    values = countermodel(Query("a stream", course.hypotheses(cycle), {0: good}), limits.seconds)
+    return None if values is None else Breaks(course.first_state(values), course.stream(values, cycle))
 
 
 def _doubling(most: int) -> Iterator[int]:
