@@ -11,13 +11,15 @@ from dataclasses import dataclass, field
 from safeloc.codegen.simplify_under_facts import Known
 from safeloc.language.expr import FALSE, TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, between
 from safeloc.language.interpret import evaluate
-from safeloc.language.nodes import Truth, Value
+from safeloc.language.nodes import Choose, ChooseBool, Max, Min, Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.system import TransitionSystem, canonical, environment, in_range
-from safeloc.language.terms import conjuncts
+from safeloc.language.terms import conjuncts, in_order
 from safeloc.language.units import Enumeration
 from safeloc.proof.around.intervals import Intervals
 from safeloc.proof.around.tube import Tube
+
+CHOOSING = (Choose, ChooseBool, Min, Max)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +112,11 @@ class Course:
         return any(
             part is FALSE or (isinstance(part, Truth) and not part.value) for some in self.given for part in some
         )
+
+    @property
+    def choices(self) -> int:
+        """The number of choices that folding leaves open in the last state."""
+        return sum(isinstance(node, CHOOSING) for node in in_order(self.states[-1].values()))
 
     def to(self, cycle: int) -> Course:
         """Go on up to a cycle."""

@@ -18,8 +18,9 @@ from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Var, all_
 from safeloc.language.interpret import evaluate
 from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
+from safeloc.language.terms import in_order
 from safeloc.language.units import Enumeration
-from safeloc.proof.around.course import Course, Piece, constant, difference, within
+from safeloc.proof.around.course import CHOOSING, Course, Piece, constant, difference, within
 from safeloc.proof.provers.implication import Refuted, countermodel
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.provers.settle import settled
@@ -38,7 +39,7 @@ class UnsettledError(Exception):
 class Detail:
     """How much work a hand-over gets.
 
-    narrow  numbers are narrowed by bisection
+    narrow  all numbers are narrowed by bisection, not only those that choose among values
     pairs   differences are bounded
     """
 
@@ -120,8 +121,10 @@ class _Ending:
         }
         given = [*self.given, self._is(labels)]
         ranges = {var: _kept(var, self.course.intervals(term)) for var, term in numbers.items()}
-        if self.detail.narrow:
-            ranges = {var: self._narrowed(given, numbers[var], bounds) for var, bounds in ranges.items()}
+        ranges = {
+            var: self._narrowed(given, numbers[var], bounds) if self._is_rough(numbers[var]) else bounds
+            for var, bounds in ranges.items()
+        }
         pairs = dict(self._pairs(given, numbers)) if self.detail.pairs else {}
         goals = {var.name: within(numbers[var], bounds) for var, bounds in ranges.items()}
         goals |= {
@@ -139,6 +142,10 @@ class _Ending:
             facts |= implied(term, bool(value)) if isinstance(term, Bool) else {term: constant(var, value)}
         known = Known(facts, self.course.intervals.decide)
         return {var: known(term) for var, term in self.state.items()}
+
+    def _is_rough(self, term: Num) -> bool:
+        """Return whether the bounds of a term may be wider than what streams reach, since it chooses among values."""
+        return self.detail.narrow or any(isinstance(node, CHOOSING) for node in in_order([term]))
 
     def _narrowed(self, given: Sequence[Bool], term: Num, bounds: Bounds) -> Bounds:
         """Return bounds that some stream reaches, as far as the limits go."""

@@ -20,6 +20,10 @@ from safeloc.proof.provers.implication import Undecided, countermodel
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.settle import settled
 
+_MOST_CHOICES = 12
+"""A window ends where more choices than that are open: then states are told apart, ranges are narrowed, and the next steps fold."""
+_BACK_SECONDS = 6.0
+"""Seconds of effort for a question from the states of earlier windows."""
 WINDOW = 20
 """Cycles of a window. Measured with odometry and balise: 10 to 40 take equally long, 5 and 80 longer."""
 
@@ -123,8 +127,8 @@ class Windows:
 
     def _window(self) -> None:
         at, pieces = self.handed[-1]
-        to = min(self.space.tube.length, at + self.window)
-        courses = [Course(self.space, piece, at).to(to) for piece in pieces]
+        courses = [Course(self.space, piece, at) for piece in pieces]
+        to = self._along(courses, at)
         if self.watched is not None:
             for course in courses:
                 self.watched(course)
@@ -134,6 +138,17 @@ class Windows:
             self.handed.append((to, self._handed_over(courses)))
             if not self.handed[-1][1]:
                 self.empty = to
+
+    def _along(self, courses: Sequence[Course], at: int) -> int:
+        """Go on with all courses up to the end of the window; it ends early where steps leave much undecided."""
+        to = at
+        while to < min(self.space.tube.length, at + self.window):
+            to += 1
+            for course in courses:
+                course.to(to)
+            if any(course.choices > _MOST_CHOICES for course in courses):
+                break
+        return to
 
     def _handed_over(self, courses: Sequence[Course]) -> list[Piece]:
         found: list[Piece] = []
@@ -157,7 +172,7 @@ class Windows:
             self._from_further_back(claim, cycle, end)
 
     def _not_following(
-        self, course: Course, claims: Sequence[Claim], begin: int, end: int
+        self, course: Course, claims: Sequence[Claim], begin: int, end: int, seconds: float | None = None
     ) -> Iterator[tuple[Claim, int]]:
         """Yield the claims that do not follow in a cycle, with the cycle; the certificates of the others are kept."""
         by_name = {claim.name: claim for claim in claims}
@@ -178,7 +193,11 @@ class Windows:
             at, pieces = self.handed[-1 - back]
             courses = [Course(self.space, piece, at).to(end) for piece in pieces]
             wrong = [
-                (course, found) for course in courses for _, found in self._not_following(course, [claim], cycle, end)
+                (course, found)
+                for course in courses
+                for _, found in self._not_following(
+                    course, [claim], cycle, end, min(_BACK_SECONDS, self.limits.seconds)
+                )
             ]
             if not wrong:
                 return
