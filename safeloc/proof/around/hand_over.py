@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import Any
 
 from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.codegen.smtlib import Query
@@ -21,7 +22,7 @@ from safeloc.language.ranges import Bounds
 from safeloc.language.terms import in_order
 from safeloc.language.units import Enumeration
 from safeloc.proof.around.course import CHOOSING, Course, Piece, constant, difference, within
-from safeloc.proof.provers.implication import Refuted, countermodel
+from safeloc.proof.provers.implication import Refuted, countermodel, unproved
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.provers.settle import settled
 
@@ -29,6 +30,10 @@ _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
 _MOST_PAIRS = 60
 _MOST_TRIES = 60
+_PRECISION = 200
+"""A range is narrowed to this share of its first width."""
+_VALUE_SECONDS = 2.0
+"""Seconds of effort to look for one value."""
 
 
 class UnsettledError(Exception):
@@ -120,19 +125,27 @@ class _Ending:
             if isinstance(var, NumVar) and var not in fixed and isinstance(term, Num)
         }
         given = [*self.given, self._is(labels)]
-        ranges = {var: _kept(var, self.course.intervals(term)) for var, term in numbers.items()}
+        sure = {var: _kept(var, self.course.intervals(term)) for var, term in numbers.items()}
         ranges = {
             var: self._narrowed(given, numbers[var], bounds) if self._is_rough(numbers[var]) else bounds
-            for var, bounds in ranges.items()
+            for var, bounds in sure.items()
         }
+        ranges |= {var: sure[var] for var in self._refuted(given, numbers, ranges)}
         pairs = dict(self._pairs(given, numbers)) if self.detail.pairs else {}
-        goals = {var.name: within(numbers[var], bounds) for var, bounds in ranges.items()}
-        goals |= {
-            f"{a.name} - {b.name}": within(difference(numbers[a], numbers[b]), bounds)
-            for (a, b), bounds in pairs.items()
-        }
-        self._prove(given, {key: goal for key, goal in goals.items() if not isinstance(goal, Truth)}, "ranges")
+        self._prove(given, _bounded(numbers, ranges) | _bounded_apart(numbers, pairs), "ranges")
         return Piece(fixed, ranges, pairs)
+
+    def _refuted(
+        self, given: Sequence[Bool], numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]
+    ) -> list[NumVar]:
+        """Return the numbers whose narrowed ranges some stream leaves: the solver gave up on a value there."""
+        by_name = {var.name: var for var in numbers}
+        rough = _bounded({var: term for var, term in numbers.items() if self._is_rough(term)}, ranges)
+        return (
+            [by_name[key] for key in unproved(Query(f"{self.name} narrowed", given, rough), self.ends.left)]
+            if rough
+            else []
+        )
 
     def _under(self, labels: Labels) -> dict[Var, Expr]:
         """Return the state with its terms folded under the labels."""
@@ -153,12 +166,13 @@ class _Ending:
         reached = self._value(given, term, FALSE)
         if reached is None:
             return bounds
-        return self._lower(given, term, low, reached), self._upper(given, term, reached, high)
+        near = (high - low) // _PRECISION
+        return self._lower(given, term, low, reached, near), self._upper(given, term, reached, high, near)
 
-    def _lower(self, given: Sequence[Bool], term: Num, low: int, reached: int) -> int:
+    def _lower(self, given: Sequence[Bool], term: Num, low: int, reached: int, near: int) -> int:
         """Return the greatest proved lower bound, by bisection between a proved one and a value that is reached."""
         for _ in range(_MOST_TRIES):
-            if low >= reached or self.ends.passed:
+            if reached - low <= near or self.ends.passed:
                 break
             middle = low if reached - low <= 1 else (low + reached) // 2
             value = self._value(given, term, term > middle)
@@ -168,9 +182,9 @@ class _Ending:
                 reached = min(reached, value)
         return low
 
-    def _upper(self, given: Sequence[Bool], term: Num, reached: int, high: int) -> int:
+    def _upper(self, given: Sequence[Bool], term: Num, reached: int, high: int, near: int) -> int:
         for _ in range(_MOST_TRIES):
-            if high <= reached or self.ends.passed:
+            if high - reached <= near or self.ends.passed:
                 break
             middle = high if high - reached <= 1 else (reached + high + 1) // 2
             value = self._value(given, term, term < middle)
@@ -182,7 +196,7 @@ class _Ending:
 
     def _value(self, given: Sequence[Bool], term: Num, unless: Bool) -> int | None:
         """Return the value of a term in some stream in which the condition is false; None if there seems to be none."""
-        values = countermodel(Query("a value", given, {0: unless}), self.ends.left)
+        values = countermodel(Query("a value", given, {0: unless}), min(_VALUE_SECONDS, self.ends.left))
         if values is None:
             return None
         return int(self._evaluated(term, values))
@@ -208,7 +222,7 @@ class _Ending:
 
     # -------------------------------------------------------------- proofs
 
-    def _prove(self, given: Sequence[Bool], goals: Mapping[object, Bool], what: str) -> None:
+    def _prove(self, given: Sequence[Bool], goals: Mapping[Any, Bool], what: str) -> None:
         """Let both solvers prove the goals; EngineError if one does not follow: then the set was computed wrongly."""
         asked = settled(Query(f"{self.name} {what}", given, goals), self.ends)
         wrong = [f"{key}: {why}" for key, why in asked.failed.items() if isinstance(why, Refuted)]
@@ -219,6 +233,19 @@ class _Ending:
         if asked.failed:
             raise UnsettledError(f"{self.name}, {what}: {next(iter(asked.failed.values()))}")
         self.texts |= asked.texts
+
+
+def _bounded(numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]) -> dict[str, Bool]:
+    """Return the goals that numbers are in their ranges, by name."""
+    goals = {var.name: within(numbers[var], ranges[var]) for var in numbers}
+    return {key: goal for key, goal in goals.items() if not isinstance(goal, Truth)}
+
+
+def _bounded_apart(numbers: Mapping[NumVar, Num], pairs: Mapping[tuple[NumVar, NumVar], Bounds]) -> dict[str, Bool]:
+    """Return the goals that differences are within their bounds, by name."""
+    return {
+        f"{a.name} - {b.name}": within(difference(numbers[a], numbers[b]), bounds) for (a, b), bounds in pairs.items()
+    }
 
 
 def _equals(term: Expr, value: Value) -> Bool:

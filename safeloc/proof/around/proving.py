@@ -25,6 +25,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
 from safeloc.proof.around.claims import Asked
 from safeloc.proof.around.containment import first_outside
+from safeloc.proof.around.corners import broken_at_corners
 from safeloc.proof.around.course import Course, Space, first_piece
 from safeloc.proof.around.deviations import PARTS, Deviations
 from safeloc.proof.around.members import Empty, Member, emptied, first_unlawful, member
@@ -192,6 +193,10 @@ class _Run:
         found: list[tuple[Asked, Outcome, str]] = []
         left = list(asked)
         on_board = [one for one in left if _readable(one.prop, self.board.system)]
+        for one, broken in self._at_corners(on_board, tube).items():
+            found.append((one, broken, "streams at the corners of the tube"))
+            left.remove(one)
+        on_board = [one for one in on_board if one in left]
         for one, outcome in self._passed(self.board, on_board, tube).items():
             settled = self._settled_on_board(one, outcome)
             if settled is not None:
@@ -206,6 +211,19 @@ class _Run:
             way = self._lawful_way(group[0].prop)
             found += [(one, outcome, way.words) for one, outcome in self._passed(way, group, tube).items()]
         return found
+
+    def _at_corners(self, asked: Sequence[Asked], tube: Tube) -> dict[Asked, Breaks]:
+        """Return claims that a stream at the corners of the tube breaks, with the truth if they rely on laws."""
+        if not asked:
+            return {}
+        space, claims = self._space(self.board, asked, tube)
+        found = broken_at_corners(space, list(claims.values()))
+        lawful = {
+            one: found[claim] if one.prop.unconditional else self._with_truth(one, found[claim])
+            for one, claim in claims.items()
+            if claim in found
+        }
+        return {one: broken for one, broken in lawful.items() if broken is not None}
 
     def _settled_on_board(self, asked: Asked, outcome: Outcome) -> Outcome | None:
         """Return what the machine without its world decides; a stream that breaks the claim counts if it can be lawful."""

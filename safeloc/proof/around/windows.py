@@ -178,7 +178,8 @@ class Windows:
         by_name = {claim.name: claim for claim in claims}
         for last, goals in _together(course, claims, begin, end):
             asked = settled(
-                Query(self._name(course, last), course.hypotheses(last), goals), deadline(self.limits.seconds)
+                Query(self._name(course, last), course.hypotheses(last), goals),
+                deadline(seconds or self.limits.seconds),
             )
             for key in goals:
                 self._of_claim[by_name[key.claim]] |= asked.texts
