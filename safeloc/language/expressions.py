@@ -221,10 +221,14 @@ def _in_one_unit(left: Num | int, right: Num | int) -> tuple[Num, Num]:
     """Return both as terms; a whole number takes the unit of the other, and of two units of one kind the finer one is taken."""
     unit = left.unit if isinstance(left, Num) else right.unit if isinstance(right, Num) else ONE
     one, other = as_num(left, unit), as_num(right, unit)
-    if isinstance(one.unit, Unit) and isinstance(other.unit, Unit) and one.unit.dimension == other.unit.dimension:
-        finer = min(one.unit, other.unit, key=lambda each: each.scale)
+    if _are_of_one_kind(one.unit, other.unit) and not one.unit.same(other.unit):
+        finer = min((unit for unit in (one.unit, other.unit) if isinstance(unit, Unit)), key=lambda each: each.scale)
         return exact_to(one, finer), exact_to(other, finer)
     return one, other
+
+
+def _are_of_one_kind(one: Unit | Enumeration, other: Unit | Enumeration) -> bool:
+    return isinstance(one, Unit) and isinstance(other, Unit) and one.dimension == other.dimension
 
 
 def _word(value: _Value) -> str:

@@ -80,7 +80,7 @@ def _rows(tube: Tube, number: int) -> Iterator[Mapping[Var, Value]]:
         yield {var: value for one in some for var, value in one.items()}
 
 
-def states(system: TransitionSystem, tube: Tube, rows: Sequence[Mapping[Var, Value]]) -> list[Mapping[Var, Value]]:
+def states(system: TransitionSystem, rows: Sequence[Mapping[Var, Value]]) -> list[Mapping[Var, Value]]:
     """The states of a run, the first one included."""
     found: list[Mapping[Var, Value]] = [start(system)]
     for row in rows:
@@ -105,7 +105,7 @@ def test_verdicts_are_those_of_all_streams(data: st.DataObject) -> None:
         return
     board = tube.system
     output = board.outputs["number"]
-    runs = [states(board, tube, rows) for rows in streams(tube)]
+    runs = [states(board, rows) for rows in streams(tube)]
     assert runs
     values = [int(evaluate([output], state)[0]) for run in runs for state in run]
     bound = data.draw(st.sampled_from(sorted({max(values), max(values) - 1, values[0], min(values)})))
@@ -116,7 +116,7 @@ def test_verdicts_are_those_of_all_streams(data: st.DataObject) -> None:
     assert isinstance(outcome, Breaks if broken else Holds)
     if isinstance(outcome, Breaks):
         assert first_outside(tube, outcome.stream) is None
-        assert int(evaluate([output], states(board, tube, outcome.stream)[-1])[0]) > bound
+        assert int(evaluate([output], states(board, outcome.stream)[-1])[0]) > bound
     for cycle, pieces in windows.handed:
         known = [{var: piece.fixed[var] for var in piece.fixed if var in set(board.state)} for piece in pieces]
         for run in runs:
