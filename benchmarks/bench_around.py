@@ -40,8 +40,8 @@ ROWS = (
     *(Row("odometry", "odometry-service", dict.fromkeys(FRONT, width), "valid", 420) for width in (0, 1, 4)),
     Row("balise", "balise-service", {"odometer_mm": 2}, 'mode != "DELOCALIZED"', 500),
     Row("balise", "balise-service", {"odometer_mm": 10}, 'mode != "DELOCALIZED"', 500),
-    Row("axle_counter", "axle_counter-crawling", {"axle_speed_low_mm_s": 5, "axle_speed_high_mm_s": 5}, "record_axles <= 12", 1),
-    Row("localizer", "localizer-main-line", {"motion.odometer_mm": 1}, "LOCCLAIM", 1, LOCN),
+    Row("axle_counter", "axle_counter-crawling", {"axle_speed_low_mm_s": 5, "axle_speed_high_mm_s": 5}, "record_axles <= 20", 1),
+    Row("localizer", "localizer-main-line", {"motion.odometer_mm": 1}, "arbitration.margin_above_mm <= 100000", 1, 50),
 )  # fmt: skip
 
 

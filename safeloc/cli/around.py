@@ -27,7 +27,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.calls import chosen_properties, prove_target
 from safeloc.proof.verification.replay import read_recording
-from safeloc.report.around import tube_picture
+from safeloc.report.around import deviation_picture, tube_picture
 from safeloc.report.file_names import file_names
 from safeloc.runtime.streams.steps import StepStream, write_steps
 from safeloc.target import Target, find_recording, recording_name
@@ -275,12 +275,13 @@ def _write(
         for name in bands.names:
             term = signals(loaded.system)[name]
             unit = term.unit.name if isinstance(term, Num) else ""
-            picture = tube_picture(
+            shown = (
                 name, unit, recorded_series(run.trace, loaded.system, name), bands.series(name, run.given.length),
                 min(broken) if broken else None,
             )  # fmt: skip
-            if picture:
-                _write_text(folder / f"tube-{pictures[name]}.svg", picture, quiet=quiet)
+            for kind, picture in (("", tube_picture(*shown)), ("-deviation", deviation_picture(*shown))):
+                if picture:
+                    _write_text(folder / f"tube-{pictures[name]}{kind}.svg", picture, quiet=quiet)
         files = file_names([one.id.rpartition("/")[2] for one in findings])
         for one in findings:
             _write_evidence(folder / files[one.id.rpartition("/")[2]], loaded, one, quiet=quiet)

@@ -23,9 +23,28 @@ def tube_picture(
 
     broken  the cycle in which the nearest stream breaks a claim
     """
-    chart = line_chart(
-        f"{name}: recorded, and proved bounds of all streams of the tube", unit, {name: recorded}, band, broken
+    title = f"{name}: recorded, and proved bounds of all streams of the tube"
+    return _file(line_chart(title, unit, {name: recorded}, band, broken))
+
+
+def deviation_picture(
+    name: str,
+    unit: str,
+    recorded: Sequence[float | None],
+    band: tuple[Sequence[float | None], Sequence[float | None]],
+    broken: int | None = None,
+) -> str:
+    """Return the same with all values less the recorded one: a tube is often narrow against what it is drawn around."""
+    lower, upper = (
+        [None if value is None or at is None else value - at for value, at in zip(side, recorded, strict=True)]
+        for side in band
     )
+    zero = [None if value is None else 0.0 for value in recorded]
+    title = f"{name}: proved bounds of all streams of the tube, less what was recorded"
+    return _file(line_chart(title, unit, {title: zero}, (lower, upper), broken))
+
+
+def _file(chart: str) -> str:
     if not chart:
         return ""
     head, _, rest = chart.partition(">")

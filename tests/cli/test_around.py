@@ -93,7 +93,7 @@ def test_what_is_refused(call: Call, options: list[str], said: str) -> None:
     [
         ("odometry", "odometry-service", "front_wheel_mm=2,front_radar_mm=2", "valid", "420"),
         ("balise", "balise-service", "odometer_mm=2", 'mode != "DELOCALIZED"', "500"),
-        ("axle_counter", "axle_counter-service", "axle_speed_low_mm_s=5,axle_speed_high_mm_s=5", "record_axles <= 12", "1"),
+        ("axle_counter", "axle_counter-service", "axle_speed_low_mm_s=5,axle_speed_high_mm_s=5", "record_axles <= 20", "1"),
     ],
 )  # fmt: skip
 def test_recordings_that_ship(call: Call, machine: str, stream: str, within: str, claim: str, first: str) -> None:

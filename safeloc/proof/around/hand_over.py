@@ -30,7 +30,7 @@ _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
 _MOST_PAIRS = 60
 _MOST_TRIES = 60
-_PRECISION = 200
+_PRECISION = 20_000
 """A range is narrowed to this share of its first width."""
 _VALUE_SECONDS = 2.0
 """Seconds of effort to look for one value."""

@@ -24,6 +24,8 @@ _MOST_CHOICES = 12
 """A window ends where more choices than that are open: then states are told apart, ranges are narrowed, and the next steps fold."""
 _BACK_SECONDS = 6.0
 """Seconds of effort for a question from the states of earlier windows."""
+_BACK_WINDOWS = 2.0
+"""Multiple of the limit for all these questions of one claim in one window."""
 WINDOW = 20
 """Cycles of a window. Measured with odometry and balise: 10 to 40 take equally long, 5 and 80 longer."""
 
@@ -179,7 +181,7 @@ class Windows:
         for last, goals in _together(course, claims, begin, end):
             asked = settled(
                 Query(self._name(course, last), course.hypotheses(last), goals),
-                deadline(seconds or self.limits.seconds),
+                deadline(self.limits.seconds if seconds is None else seconds),
             )
             for key in goals:
                 self._of_claim[by_name[key.claim]] |= asked.texts
@@ -190,15 +192,14 @@ class Windows:
 
     def _from_further_back(self, claim: Claim, cycle: int, end: int) -> None:
         """Decide a claim from a failing cycle to the end of the window, from the states of earlier windows."""
+        ends = deadline(_BACK_WINDOWS * self.limits.seconds)
         for back in _doubling(len(self.handed) - 1):
             at, pieces = self.handed[-1 - back]
             courses = [Course(self.space, piece, at).to(end) for piece in pieces]
             wrong = [
                 (course, found)
                 for course in courses
-                for _, found in self._not_following(
-                    course, [claim], cycle, end, min(_BACK_SECONDS, self.limits.seconds)
-                )
+                for _, found in self._not_following(course, [claim], cycle, end, min(_BACK_SECONDS, ends.left))
             ]
             if not wrong:
                 return
@@ -206,6 +207,11 @@ class Windows:
                 course, found = min(wrong, key=lambda pair: pair[1])
                 self._found[claim] = self._broken(course, claim, found)
                 return
+            if ends.passed:
+                break
+        self._found[claim] = Open(
+            (cycle,), f"it does not follow from the states after cycle {at}, and there was no time to look further back"
+        )
 
     def _broken(self, course: Course, claim: Claim, cycle: int) -> Outcome:
         """Return the stream from the start that breaks a claim in a cycle."""
