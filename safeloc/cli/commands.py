@@ -83,7 +83,7 @@ COMMANDS: Mapping[str, Known] = {
     "prove": Known(
         "prove",
         "prove",
-        "Prove the properties and obligations of a machine for all streams that obey its assumption.",
+        "Prove the properties and obligations of a machine for all streams that obey its assumption, or for those near one.",
     ),
     "explain": Known(
         "explain",

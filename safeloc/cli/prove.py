@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from pydantic import BaseModel
 
 from safeloc.catalogue import Target, configured, load_target
+from safeloc.cli.around import AroundOptions, Proving, prove_around
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import (
@@ -51,8 +53,60 @@ def prove(
     fresh: FreshOption = False,
     again: WatchOption = False,
     as_json: JsonOption = False,
+    around: Annotated[
+        str | None,
+        typer.Option(
+            "--around", help="prove for all streams near this one: a file, or the name of a recording that ships"
+        ),
+    ] = None,
+    simulate: Annotated[
+        str | None,
+        typer.Option("--simulate", help="the same near a simulated stream: seed=7, or line=fig3,seed=7,faults=..."),
+    ] = None,
+    within: Annotated[
+        list[str] | None,
+        typer.Option("--within", help="around: NAME=WIDTH,... how far inputs may deviate, in their units (repeatable)"),
+    ] = None,
+    drop: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--drop", help="around: NAME=N, N values of an input may be missing; A+B=N of one message (repeatable)"
+        ),
+    ] = None,
+    delay: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--delay", help="around: NAME=N, values may come up to N cycles late; A+B=N together (repeatable)"
+        ),
+    ] = None,
+    claims: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--claim", help="around: a condition of your own, such as 'valid and margin_mm <= 900' (repeatable)"
+        ),
+    ] = None,
+    first: Annotated[int | None, typer.Option("--from", help="around: first cycle in which claims are judged")] = None,
+    last: Annotated[int | None, typer.Option("--until", help="around: last cycle in which claims are judged")] = None,
+    without: Annotated[
+        list[str] | None, typer.Option("--without", help="around: leave out this law of the world (repeatable)")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", help="around: folder for pictures of the tube, streams that break a claim, certificates"),
+    ] = None,
 ) -> None:
-    """Prove the properties and obligations of a machine for all streams that obey its assumption."""
+    """Prove the properties and obligations of a machine for all streams that obey its assumption, or for those near one."""
+    near = AroundOptions(
+        around, simulate, tuple(within or ()), tuple(drop or ()), tuple(delay or ()), tuple(claims or ()), first, last,
+        tuple(without or ()), out,
+    )  # fmt: skip
+    if around is not None or simulate is not None:
+        if again or configurations is not None:
+            raise typer.BadParameter("--around and --simulate go with neither --watch nor --configurations.")
+        limits = Limits(depth=depth, seconds=seconds, seed=seed)
+        raise typer.Exit(prove_around(target, near, Proving(config, only, limits, store_in(cache), as_json)))
+    if near.named():
+        raise typer.BadParameter(f"{near.named()[0]} speaks of streams near one: give it with --around or --simulate.")
     if again:
         raise typer.Exit(watch(sys.argv[1:], beside([target], config)))
     proving = _Proving(only, Limits(depth=depth, seconds=seconds, seed=seed), jobs, store_in(cache), fresh, as_json)

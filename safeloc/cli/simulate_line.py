@@ -54,6 +54,21 @@ def simulate_line(name: str, where: Path, options: LineOptions) -> None:
 
     InputError for a line, vehicle, route or fault that cannot be simulated; then nothing is written.
     """
+    line, runs, audited = _driven(name, options)
+    for entry in write_runs(where, line, runs, audited=audited):
+        with_config = f" --config {where / entry['config']}" if entry["config"] else ""
+        err.print(f"safeloc replay {entry['machine']} {where / entry['file']}{with_config}", markup=False)
+    err.print(f"{len(runs)} streams, listed in {where / 'runs.json'}", markup=False)
+    _hint(runs, options.trust_first)
+
+
+def runs_on_line(name: str, options: LineOptions) -> list[Run]:
+    """Drive vehicles over a line and return the runs; the errors are those of `simulate_line`."""
+    return _driven(name, options)[1]
+
+
+def _driven(name: str, options: LineOptions) -> tuple[Line, list[Run], bool]:
+    """Return the line, the runs on it, and whether it passes its audit for every vehicle."""
     line = find_line(name)
     machines = options.machines or MACHINES
     unknown = [one for one in machines if one not in MACHINES]
@@ -65,12 +80,7 @@ def simulate_line(name: str, where: Path, options: LineOptions) -> None:
     passes = [_audited(line, vehicle, options.unaudited) for vehicle in vehicles]
     walk = Walk(line)
     chosen = chosen_routes(walk.topology, options.routes, options.start, options.end)
-    runs = line_runs(walk, chosen, vehicles, machines, faults, options.seed)
-    for entry in write_runs(where, line, runs, audited=all(passes)):
-        with_config = f" --config {where / entry['config']}" if entry["config"] else ""
-        err.print(f"safeloc replay {entry['machine']} {where / entry['file']}{with_config}", markup=False)
-    err.print(f"{len(runs)} streams, listed in {where / 'runs.json'}", markup=False)
-    _hint(runs, options.trust_first)
+    return line, line_runs(walk, chosen, vehicles, machines, faults, options.seed), all(passes)
 
 
 def _vehicles(options: LineOptions) -> Iterator[LineVehicle]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 from safeloc.codegen.merge_choices import is_magnitude
 from safeloc.language.nodes import (
@@ -28,6 +29,7 @@ from safeloc.language.nodes import (
     Mul,
     Node,
     Not,
+    Num,
     Or,
     Past,
     Sub,
@@ -48,10 +50,18 @@ _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
 }
 
 
-class Known:
-    """Folds terms under facts, given as term -> the term that replaces it, mostly its constant value."""
+Decide = Callable[[str, Num, Num], bool | None]
+"""Operator and both sides of a comparison -> whether it holds, if that is known."""
 
-    def __init__(self, facts: Mapping[Expr, Expr]) -> None:
+
+class Known:
+    """Folds terms under facts, given as term -> the term that replaces it, mostly its constant value.
+
+    decide  what is known of comparisons besides, such as from the ranges of variables
+    """
+
+    def __init__(self, facts: Mapping[Any, Expr], decide: Decide | None = None) -> None:
+        self._decide = decide
         self._done: dict[Expr, Expr] = dict(facts)
         self._kept: dict[tuple[object, ...], Expr] = {}
         self._among: dict[Expr, frozenset[int]] = {}
@@ -63,8 +73,8 @@ class Known:
         It visits only terms that contain one of the facts again.
         """
         if not self._settled:
-            return Known(facts)
-        more = Known({})
+            return Known(facts, self._decide)
+        more = Known({}, self._decide)
         more._done, more._kept = dict(self._done), dict(self._kept)
         more._among, more._distances = dict(self._among), dict(self._distances)
         left = [*facts]
@@ -130,7 +140,7 @@ class Known:
             case Compare():
                 return self._comparison(node, self._done[node.left], self._done[node.right])
             case Add() | Sub() | Mul() | Min() | Max():
-                return self._distance(_arithmetic(node, self._done[node.left], self._done[node.right]))
+                return self._distance(self._arithmetic(node, self._done[node.left], self._done[node.right]))
             case FloorDiv(left, divisor, unit):
                 inner = self._done[left]
                 return Lit(inner.value // divisor, unit) if isinstance(inner, Lit) else rebuilt(node, (inner,))
@@ -164,6 +174,8 @@ class Known:
         return frozenset((term.value,)) if isinstance(term, Lit) else self._among.get(term, frozenset())
 
     def _comparison(self, node: Compare, left: Expr, right: Expr) -> Expr:
+        assert isinstance(left, Num)
+        assert isinstance(right, Num)
         if isinstance(left, Lit) and isinstance(right, Lit):
             return _truth(node.op, left.value, right.value)
         if left is right:
@@ -171,7 +183,21 @@ class Known:
         one, two = self._values(left), self._values(right)
         if node.op == "==" and one and two and one.isdisjoint(two):
             return FALSE
+        holds = None if self._decide is None else self._decide(node.op, left, right)
+        if holds is not None:
+            return TRUE if holds else FALSE
         return rebuilt(node, (left, right))
+
+    def _arithmetic(self, node: Add | Sub | Mul | Min | Max, left: Expr, right: Expr) -> Expr:
+        """Return the operation on folded operands; of the smaller or greater of two, the one that is known to be it."""
+        if self._decide is not None and isinstance(node, (Min, Max)):
+            assert isinstance(left, Num)
+            assert isinstance(right, Num)
+            if self._decide("<=", left, right):
+                return left if isinstance(node, Min) else right
+            if self._decide("<=", right, left):
+                return right if isinstance(node, Min) else left
+        return _arithmetic(node, left, right)
 
 
 def _shape(term: Expr) -> tuple[object, ...]:

@@ -21,7 +21,7 @@ def bounds(terms: Iterable[Expr]) -> dict[Num, Bounds]:
     found: dict[Num, Bounds] = {}
     for node in in_order(terms):
         if isinstance(node, NumNode):
-            found[node] = _bounds(node, found)
+            found[node] = bounds_of(node, found)
     return found
 
 
@@ -30,7 +30,8 @@ def beyond_int64(terms: Iterable[Expr]) -> list[Num]:
     return [term for term, (low, high) in bounds(terms).items() if low < INT64_MIN or high > INT64_MAX]
 
 
-def _bounds(node: NumNode, of: Mapping[Num, Bounds]) -> Bounds:
+def bounds_of(node: NumNode, of: Mapping[Num, Bounds]) -> Bounds:
+    """Return the bounds of one term from those of its parts."""
     match node:
         case Lit(value, _):
             return value, value

@@ -1,0 +1,410 @@
+"""All of a target's proof around one stream: claims decided, emptiness excluded, violations replayed and brought nearer.
+
+Each claim is asked in up to three ways, the cheapest first:
+
+    on board   for all inputs of the tube, whether or not they obey the laws of the world: the machine without its world
+    in general a declared property that is proved for all lawful streams holds for those of the tube
+    lawful     for the streams of the tube that obey the laws, with the facts that are proved of the machine
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from safeloc.errors import EngineError
+from safeloc.language.expr import TRUE, Var, all_of
+from safeloc.language.first_values import Any_
+from safeloc.language.interpret import holds, named, start, step, taken
+from safeloc.language.nodes import Value
+from safeloc.language.spec import Goal, Property, observe, watch
+from safeloc.language.system import TransitionSystem, environment, first_without_the_world, without_ghosts
+from safeloc.language.terms import variables
+from safeloc.language.trace import Trace
+from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
+from safeloc.proof.around.claims import Asked
+from safeloc.proof.around.containment import first_outside
+from safeloc.proof.around.corners import broken_at_corners
+from safeloc.proof.around.course import Course, Space, first_piece
+from safeloc.proof.around.deviations import PARTS, Deviations
+from safeloc.proof.around.members import Empty, Member, emptied, first_unlawful, member
+from safeloc.proof.around.nearest import nearest
+from safeloc.proof.around.tube import Given, Tube
+from safeloc.proof.around.windows import Breaks, Claim, Holds, Observe, Open, Outcome, Windows, breaking
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.proved_base import base
+from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
+from safeloc.proof.results import Finding
+
+General = Callable[[Property], Mapping[str, str] | None]
+"""A declared property -> the certificates of its proof for all lawful streams; None if it is not proved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """What is asked around a stream of a target.
+
+    system   the machine with its world, without the laws that are left out
+    name     of the stream
+    general  looks for a general proof of a declared property
+    watched  is called with every course of a window, such as to draw the tube
+    """
+
+    target: str
+    system: TransitionSystem
+    name: str
+    given: Given
+    deviations: Deviations
+    asked: Sequence[Asked]
+    limits: Limits
+    without: tuple[str, ...] = ()
+    general: General | None = None
+    watched: Observe | None = None
+    say: Callable[[str], None] = field(default=lambda _: None)
+
+    def findings(self) -> list[Finding]:
+        """Decide every claim; return one finding of each."""
+        return list(_Run(self).findings())
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """One way of asking: the system that is run, without or with the world."""
+
+    system: TransitionSystem
+    words: str
+    lawful: bool
+
+
+@dataclass(eq=False)
+class _Run:
+    of: Around
+
+    def __post_init__(self) -> None:
+        self.board = _Way(without_ghosts(self.of.system), "for all inputs of the tube, without any law", lawful=False)
+        self._began = time.monotonic()
+        self._members: dict[bool, Member | Empty | None] = {}
+
+    # -------------------------------------------------------------- findings
+
+    def findings(self) -> Sequence[Finding]:
+        """Return the findings, in the order asked."""
+        self.of.say("streams near the given one: is there a lawful one?")
+        found: dict[Asked, tuple[Result, str]] = {}
+        lawful = [one for one in self.of.asked if not one.prop.unconditional]
+        if lawful:
+            empty = self._empty()
+            if empty is not None:
+                found |= dict.fromkeys(lawful, (empty, "windows"))
+        left = [one for one in self.of.asked if one not in found]
+        for asked, outcome, words in self._decided(left, self._tube(PARTS)):
+            found[asked] = self._result(asked, outcome, words)
+        return [self._finding(one, *found[one]) for one in self.of.asked]
+
+    def _finding(self, asked: Asked, result: Result, method: str) -> Finding:
+        tube = f"{self.of.name} within {self.of.deviations.told(self.of.system)}"
+        left_out = (
+            f"; without the law{'s' if len(self.of.without) > 1 else ''} {', '.join(self.of.without)}"
+            if self.of.without
+            else ""
+        )
+        cycles = self.of.given.length if asked.last is None else asked.last
+        return Finding(
+            f"{self.of.target}/around {self.of.name}/{asked.prop.name}",
+            self.of.target,
+            "property",
+            f"{asked.prop.statement} — in cycles {max(1, asked.first)} to {cycles} of every stream around {tube}{left_out}",
+            self._judged_at_all(asked, result),
+            method,
+            time.monotonic() - self._began,
+            asked.prop.requirements,
+            asked.prop.relies_on,
+        )
+
+    def _judged_at_all(self, asked: Asked, result: Result) -> Result:
+        """Return the result; a proof is vacuous if what the claim reads is absent in every cycle of the stream given."""
+        if not isinstance(result, Proved) or asked.there is None or asked.there is TRUE:
+            return result
+        system = self.board.system if _readable(asked.prop, self.board.system) else self.of.system
+        if system is self.of.system:
+            return result
+        watching = replace(asked.prop, name="there", term=~asked.there)
+        goal, judged = observe(system, watching), range(asked.first, (asked.last or self.of.given.length) + 1)
+        state = start(goal.system, _open_first(goal.system, self.of.given.first))
+        for cycle, row in enumerate(self.of.given.rows, 1):
+            state, _ = step(goal.system, state, {var: row[var] for var in goal.system.inputs})
+            if cycle in judged and not holds(goal.good, state):
+                return result
+            state = {**state, **dict.fromkeys(goal.observers, False)}
+        return Vacuous(
+            f"in no cycle of the stream given all of {', '.join(asked.reads)} are there, so the claim says nothing"
+        )
+
+    def _result(self, asked: Asked, outcome: Outcome, words: str) -> tuple[Result, str]:
+        match outcome:
+            case Holds(texts, by_folding):
+                by = confirmed_by(texts)
+                how = "windows with proved hand-over states" if texts else "folding of every step"
+                depth = self.of.given.length
+                return (
+                    Proved(
+                        None,
+                        "windows",
+                        depth,
+                        by,
+                        texts,
+                        by_construction="every step folds to constants" if by_folding and not texts else "",
+                    ),
+                    rechecked_in_words(f"{how}, {words}", by),
+                )
+            case Breaks():
+                return self._violated(asked, outcome, words)
+            case Open(cycles, reason):
+                told = ", ".join(map(str, cycles))
+                what = "try narrower widths, fewer inputs in --within, or a greater --seconds"
+                return Unknown(f"undecided in cycle {told}: {reason}; {what}", min(cycles) - 1), f"windows, {words}"
+
+    def _violated(self, asked: Asked, found: Breaks, words: str) -> tuple[Result, str]:
+        """Return the nearest violation, replayed."""
+        self.of.say(f"{asked.prop.name}: the nearest stream that breaks it")
+        lawful = len(found.stream) == 0 or any(var in found.stream[0] for var in self.of.system.ghosts)
+        tube = self._tube(PARTS, lawful=lawful)
+
+        def decide(parts: int) -> Outcome:
+            [(_, outcome, _)] = self._decided([asked], self._tube(parts))
+            return outcome
+
+        def again(parts: int, cycle: int) -> Breaks | None:
+            return self._again(asked, parts, cycle)
+
+        near = nearest(tube, found, decide, again)
+        trace = self._replayed(asked, near.breaks)
+        return Violated(trace, "windows", f"cycle {near.breaks.cycle}: {near.told}"), f"windows, {words}"
+
+    # -------------------------------------------------------------- ways of asking
+
+    def _tube(self, parts: int, *, lawful: bool = True) -> Tube:
+        system = self.of.system if lawful else self.board.system
+        return Tube(system, self.of.given, self.of.deviations.scaled(parts))
+
+    def _decided(self, asked: Sequence[Asked], tube: Tube) -> list[tuple[Asked, Outcome, str]]:
+        """Decide claims in one tube, each in the first way that decides it."""
+        found: list[tuple[Asked, Outcome, str]] = []
+        left = list(asked)
+        on_board = [one for one in left if _readable(one.prop, self.board.system)]
+        for one, broken in self._at_corners(on_board, tube).items():
+            found.append((one, broken, "streams at the corners of the tube"))
+            left.remove(one)
+        on_board = [one for one in on_board if one in left]
+        for one, outcome in self._passed(self.board, on_board, tube).items():
+            settled = self._settled_on_board(one, outcome)
+            if settled is not None:
+                found.append((one, settled, self.board.words))
+                left.remove(one)
+        for one in list(left):
+            texts = None if one.own or self.of.general is None or self.of.without else self.of.general(one.prop)
+            if texts is not None:
+                found.append((one, Holds(texts, by_folding=False), "it follows from the proof for all lawful streams"))
+                left.remove(one)
+        for group in _alike(left):
+            way = self._lawful_way(group[0].prop)
+            found += [(one, outcome, way.words) for one, outcome in self._passed(way, group, tube).items()]
+        return found
+
+    def _at_corners(self, asked: Sequence[Asked], tube: Tube) -> dict[Asked, Breaks]:
+        """Return claims that a stream at the corners of the tube breaks, with the truth if they rely on laws."""
+        if not asked:
+            return {}
+        space, claims = self._space(self.board, asked, tube)
+        found = broken_at_corners(space, list(claims.values()))
+        lawful = {
+            one: found[claim] if one.prop.unconditional else self._with_truth(one, found[claim])
+            for one, claim in claims.items()
+            if claim in found
+        }
+        return {one: broken for one, broken in lawful.items() if broken is not None}
+
+    def _settled_on_board(self, asked: Asked, outcome: Outcome) -> Outcome | None:
+        """Return what the machine without its world decides; a stream that breaks the claim counts if it can be lawful."""
+        if isinstance(outcome, Holds) or asked.prop.unconditional:
+            return outcome
+        if not isinstance(outcome, Breaks):
+            return None
+        return self._with_truth(asked, outcome)
+
+    def _with_truth(self, asked: Asked, found: Breaks) -> Breaks | None:
+        """Return a stream of inputs on board with a truth beside it that the laws allow."""
+        way = self._lawful_way(asked.prop)
+        board = self.board.system
+        first = {var: value for var, value in found.first.items() if var in set(board.state)}
+        rows = [{var: row[var] for var in board.inputs} for row in found.stream]
+        ghosts = {
+            name: width
+            for name, width in self.of.deviations.widths.items()
+            if name in {v.name for v in way.system.ghosts}
+        }
+        given = replace(self.of.given, rows=rows, first={**self.of.given.first, **first})
+        tube = Tube(way.system, given, Deviations(ghosts))
+        made = member(Space(way.system, tube), self.of.limits, len(rows))
+        return None if made is None else Breaks(made.first, made.stream)
+
+    def _lawful_way(self, prop: Property) -> _Way:
+        words = "for all streams of the tube that obey the laws"
+        system = self.of.system
+        if prop.unconditional:
+            words, system = (
+                "for all streams of the tube",
+                replace(system, assume=TRUE, init=first_without_the_world(system)),
+            )
+        if prop.further_assumption is not TRUE:
+            words += " and the further assumption"
+            system = replace(system, assume=all_of([system.assume, prop.further_assumption]))
+        return _Way(system, words, lawful=True)
+
+    def _passed(self, way: _Way, asked: Sequence[Asked], tube: Tube) -> dict[Asked, Outcome]:
+        """Go through the tube in one way."""
+        if not asked:
+            return {}
+        space, claims = self._space(way, asked, tube)
+        self.of.say(f"{len(asked)} claims through {tube.length} cycles, {way.words}")
+        outcomes = Windows(space, list(claims.values()), self.of.limits, watched=self.of.watched).outcomes()
+        return {one: outcomes[claim] for one, claim in claims.items()}
+
+    def _space(self, way: _Way, asked: Sequence[Asked], tube: Tube) -> tuple[Space, dict[Asked, Claim]]:
+        goals = {one: observe(way.system, _plain(one.prop)) for one in asked}
+        watched = watch(way.system, list(goals.values()))
+        claims = {one: Claim(one.prop.name, goal, one.first, one.last) for one, goal in goals.items()}
+        facts = base(way.system, seconds=self.of.limits.seconds).everything if way.lawful else []
+        restarts: dict[int, dict[Var, Value]] = {}
+        for one, goal in goals.items():
+            if one.first > 1:
+                restarts.setdefault(one.first - 1, {}).update(_first_of(goal))
+        made = Tube(way.system, tube.given, tube.deviations if way.lawful else _on_board(tube.deviations, way.system))
+        return Space(watched.system, made, facts, restarts), claims
+
+    def _again(self, asked: Asked, parts: int, cycle: int) -> Breaks | None:
+        """Return a stream of the scaled tube that breaks a claim in a cycle: on board if it can be lawful, else with the laws."""
+        tube = self._tube(parts)
+        if _readable(asked.prop, self.board.system):
+            found = self._breaking(self.board, asked, tube, cycle)
+            if found is None or asked.prop.unconditional:
+                return found
+            lawful = self._with_truth(asked, found)
+            if lawful is not None:
+                return lawful
+        return self._breaking(self._lawful_way(asked.prop), asked, tube, cycle)
+
+    def _breaking(self, way: _Way, asked: Asked, tube: Tube, cycle: int) -> Breaks | None:
+        space, claims = self._space(way, [asked], tube)
+        return breaking(Course(space, first_piece(space), 0).to(cycle), claims[asked], cycle, self.of.limits)
+
+    # -------------------------------------------------------------- emptiness
+
+    def _empty(self) -> Vacuous | Unknown | None:
+        """Return the verdict of every lawful claim if no lawful stream of the tube is known."""
+        system = self.of.system
+        recorded = self._recorded()
+        if recorded is not None and first_unlawful(system, recorded) is None:
+            return None
+        length = self.of.given.length
+        widths = self.of.deviations.widths
+        for deviations in (Deviations(dict.fromkeys(widths, 0)), self.of.deviations):
+            tube = Tube(system, self.of.given, deviations)
+            if member(Space(system, tube), self.of.limits, length) is not None:
+                return None
+        empty = emptied(Space(system, self._tube(PARTS)), self.of.limits)
+        if empty is None:
+            return Unknown(
+                "no stream of the tube was found that obeys the laws up to the end, and none was excluded either"
+            )
+        laws = " and ".join(repr(law) for law in empty.laws) or "the ranges of the inputs"
+        return Vacuous(
+            f"the tube is empty from cycle {empty.cycle} on: no stream of it obeys {laws} so far; widen the tube, "
+            "or leave a law out with --without"
+        )
+
+    def _recorded(self) -> Member | None:
+        """Return the stream given with the recorded truth, if it has one."""
+        given, system = self.of.given, self.of.system
+        if not given.choices and any(var in system.ghosts for var in system.inputs):
+            return None
+        choices = given.choices or [{} for _ in given.rows]
+        ghosts = given.ghosts[0] if given.ghosts else {}
+        first = start(system, _open_first(system, {**given.first, **ghosts}))
+        return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=True)])
+
+    # -------------------------------------------------------------- replay
+
+    def _replayed(self, asked: Asked, found: Breaks) -> Trace:
+        """Return the run that breaks a claim in its last cycle; EngineError if the interpreter does not agree."""
+        lawful = not found.stream or all(var in found.stream[0] for var in self.of.system.inputs)
+        lawful = lawful and all(var in found.first for var in self.of.system.state)
+        way = self._lawful_way(asked.prop) if lawful else self.board
+        goal = observe(way.system, _plain(asked.prop))
+        outside = first_outside(self._tube(PARTS, lawful=lawful), found.stream)
+        if outside is not None:
+            raise EngineError(
+                f"a stream that breaks {asked.prop.name!r} leaves the tube in cycle {outside}; report this."
+            )
+        return _broken_run(goal, asked, way, found)
+
+
+def _broken_run(goal: Goal, asked: Asked, way: _Way, found: Breaks) -> Trace:
+    hidden = frozenset(goal.observers)
+    state = start(goal.system, _open_first(goal.system, {**found.first, **_first_of(goal)}))
+    first, steps = named(state, hidden), []
+    broken = asked.first == 0 and not holds(goal.good, state)
+    rows = [{var.name: row[var] for var in goal.system.inputs} for row in found.stream]
+    condition = environment(goal.system)
+    for cycle, row in enumerate(rows, 1):
+        if broken:
+            raise EngineError(f"{asked.prop.name!r} is broken before cycle {cycle} already; report this.")
+        made = list(taken(goal.system, state, [row], while_=condition, hidden=hidden))
+        if not made:
+            raise EngineError(f"a stream that breaks {asked.prop.name!r} breaks a law in cycle {cycle}; report this.")
+        [(one, state)] = made
+        steps.append(one)
+        if cycle == asked.first - 1:
+            state = {**state, **_first_of(goal)}
+        broken = asked.first <= cycle and not holds(goal.good, state)
+    if not broken:
+        raise EngineError(f"the stream that is to break {asked.prop.name!r} does not; report this.")
+    return Trace(way.system, first, tuple(steps))
+
+
+def _first_of(goal: Goal) -> dict[Var, Value]:
+    """Return the observers of a goal with their first values."""
+    values = {var: goal.system.initial[var] for var in goal.observers}
+    return {var: value for var, value in values.items() if isinstance(value, (bool, int))}
+
+
+def _open_first(system: TransitionSystem, values: Mapping[Var, Value]) -> dict[str, Value]:
+    """Return the values of variables whose first value is open, by name."""
+    return {var.name: values[var] for var in system.state if isinstance(system.initial[var], Any_) and var in values}
+
+
+def _plain(prop: Property) -> Property:
+    """Return a property without its assumption, which the system that is run has."""
+    return replace(prop, unconditional=False, further_assumption=TRUE)
+
+
+def _readable(prop: Property, system: TransitionSystem) -> bool:
+    """Return whether a system has all variables that a property reads."""
+    known: set[Var] = {*system.state, *system.inputs, *system.fired}
+    read = variables([prop.term, prop.response, prop.further_assumption])
+    return all((var if var.before is None else var.before) in known for var in read)
+
+
+def _alike(asked: Sequence[Asked]) -> list[list[Asked]]:
+    """Return the claims in groups of the same assumption."""
+    groups: dict[tuple[bool, object], list[Asked]] = {}
+    for one in asked:
+        groups.setdefault((one.prop.unconditional, one.prop.further_assumption), []).append(one)
+    return list(groups.values())
+
+
+def _on_board(deviations: Deviations, system: TransitionSystem) -> Deviations:
+    """Return the deviations of inputs on board."""
+    known = {var.name for var in system.inputs}
+    return replace(deviations, widths={name: width for name, width in deviations.widths.items() if name in known})

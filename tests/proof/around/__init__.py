@@ -1,0 +1,1 @@
+"""Tests of proofs around a stream."""
