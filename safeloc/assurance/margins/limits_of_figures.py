@@ -49,6 +49,9 @@ def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[s
     if admitted == figure.value:
         beyond = figure.value + search.sign(end)
         return Limit(figure, direction, figure.value, Answer("refused", why=search.refusal(beyond)), beyond)
+    next_value = figure.value + search.sign(end)
+    if search.answer(next_value).end == "broken":
+        return Limit(figure, direction, figure.value, search.answer(next_value), next_value)
     if search.answer(admitted).end == "held":
         return search.at_the_end(direction, admitted, end)
     good, bad = search.bracket(admitted)
