@@ -192,7 +192,7 @@ class Windows:
 
     def _from_further_back(self, claim: Claim, cycle: int, end: int) -> None:
         """Decide a claim from a failing cycle to the end of the window, from the states of earlier windows."""
-        ends = deadline(_BACK_WINDOWS * self.limits.seconds)
+        ends, at = deadline(_BACK_WINDOWS * self.limits.seconds), self.handed[-1][0]
         for back in _doubling(len(self.handed) - 1):
             at, pieces = self.handed[-1 - back]
             courses = [Course(self.space, piece, at).to(end) for piece in pieces]
