@@ -41,7 +41,7 @@ ROWS = (
     Row("balise", "balise-service", {"odometer_mm": 2}, 'mode != "DELOCALIZED"', 500),
     Row("balise", "balise-service", {"odometer_mm": 10}, 'mode != "DELOCALIZED"', 500),
     Row("axle_counter", "axle_counter-crawling", {"axle_speed_low_mm_s": 5, "axle_speed_high_mm_s": 5}, "record_axles <= 20", 1),
-    Row("localizer", "localizer-main-line", {"motion.odometer_mm": 1}, "arbitration.margin_above_mm <= 100000", 1, 50),
+    Row("localizer", "localizer-main-line", {"motion.odometer_mm": 1}, "arbitration.valid", 230),
 )  # fmt: skip
 
 

@@ -43,7 +43,7 @@ class Bands:
         given: Expr | None = next((one for var, one in inputs.items() if var.name == name), None)
         if name not in self.system.outputs and given is not None:
             present = next((one for var, one in inputs.items() if var.name == f"{name}.present"), None)
-            if present is not None and not evaluate_or_true(present):
+            if present is not None and not _evaluated_or_true(present):
                 return None
             return course.intervals(given) if isinstance(given, Num) else None
         number = stand_in_of(term)
@@ -64,7 +64,7 @@ class Bands:
         ]
 
 
-def evaluate_or_true(term: Expr) -> bool:
+def _evaluated_or_true(term: Expr) -> bool:
     """Return whether a truth value may hold: its value if it is a constant."""
     try:
         return bool(evaluate([term], {})[0])

@@ -26,8 +26,8 @@ _BACK_SECONDS = 6.0
 """Seconds of effort for a question from the states of earlier windows."""
 _BACK_WINDOWS = 2.0
 """Multiple of the limit for all these questions of one claim in one window."""
-WINDOW = 20
-"""Cycles of a window. Measured with odometry and balise: 10 to 40 take equally long, 5 and 80 longer."""
+_WINDOW = 20
+"""Cycles of a window, as long as nothing is left undecided."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ class Windows:
     claims: Sequence[Claim]
     limits: Limits
     detail: Detail = field(default_factory=Detail)
-    window: int = WINDOW
+    window: int = _WINDOW
     watched: Observe | None = None
     handed: list[tuple[int, Sequence[Piece]]] = field(default_factory=list, init=False)
     texts: dict[str, str] = field(default_factory=dict, init=False)
@@ -192,7 +192,7 @@ class Windows:
 
     def _from_further_back(self, claim: Claim, cycle: int, end: int) -> None:
         """Decide a claim from a failing cycle to the end of the window, from the states of earlier windows."""
-        ends = deadline(_BACK_WINDOWS * self.limits.seconds)
+        ends, at = deadline(_BACK_WINDOWS * self.limits.seconds), self.handed[-1][0]
         for back in _doubling(len(self.handed) - 1):
             at, pieces = self.handed[-1 - back]
             courses = [Course(self.space, piece, at).to(end) for piece in pieces]

@@ -59,7 +59,11 @@ def last_code(rows: list[Row]) -> int:
     window=st.sampled_from((1, 3)),
     data=st.data(),
 )
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(
+    max_examples=40,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
+)
 def test_exactly_the_streams_of_the_tube_are_run(
     rows: list[Row], widths: dict[str, int], drops: int, delay: int, late: int, window: int, data: st.DataObject
 ) -> None:
@@ -89,7 +93,11 @@ def test_exactly_the_streams_of_the_tube_are_run(
 
 
 @given(st.data())
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
+)
 def test_folding_with_bounds_changes_no_value(data: st.DataObject) -> None:
     """Terms of random machines, folded with variables in narrow ranges, have the values that they had; bounds hold them."""
     system = lower(data.draw(machines()))
