@@ -11,7 +11,7 @@ from safeloc.models.vocabulary.error_law import RADAR, ErrorLaw
 
 ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
 """An odometer that errs at standstill, and by its rate above a speed only."""
-CHECKED_ERRING = MotionConfig(odometer=ERRING, check=RADAR)
+_CHECKED_ERRING = MotionConfig(odometer=ERRING, check=RADAR)
 _IDENTITIES = BaliseConfig().last_group_identity
 _DRIFT = "the odometer is one that balises and reflectors take: it does not drift"
 NEVER = {
@@ -29,12 +29,15 @@ NEVER = {
 CONFIGURATIONS = Configurations(
     {
         "the first group is believed, and a second unit checks an odometer that errs at standstill": ReflectorDeviceConfig(
-            motion=CHECKED_ERRING,
+            motion=_CHECKED_ERRING,
             balise=BaliseConfig(
-                odometer=CHECKED_ERRING.reported_law, checked_distance=True, tolerance_mm=45_000, trust_first_group=True
+                odometer=_CHECKED_ERRING.reported_law,
+                checked_distance=True,
+                tolerance_mm=45_000,
+                trust_first_group=True,
             ),
             reflector=ReflectorConfig(
-                odometer=CHECKED_ERRING.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
+                odometer=_CHECKED_ERRING.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
             ),
         ),
         "the first group is believed, the odometer errs at standstill, the radar is behind the front end": ReflectorDeviceConfig(

@@ -98,10 +98,10 @@ def test_search_and_filter(page: Page, report: Path) -> None:
     page.type("body", "/")
     page.press("statement")
     page.until("document.getElementById('overview-count').textContent === '4 found'")
-    assert [row.split("\n")[0] for row in found(page)] == ["violated", "unknown", "proved", "held"]
+    assert [row.split("\n")[0] for row in found(page)] == ["violated", "unknown", "shown by a run", "held"]
     page.js("document.getElementById('overview-verdict').focus()")
     page.js(
-        "(e => { e.value = 'proved'; e.dispatchEvent(new Event('change')) })(document.getElementById('overview-verdict'))"
+        "(e => { e.value = 'shown by a run'; e.dispatchEvent(new Event('change')) })(document.getElementById('overview-verdict'))"
     )
     page.until("document.getElementById('overview-count').textContent === '1 found'")
     assert "good" in found(page)[0]

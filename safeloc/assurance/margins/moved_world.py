@@ -88,11 +88,11 @@ def _placed(
 def _part(part: Part, other: Part, clauses: Mapping[ClauseId, Bool]) -> Part:
     """Return a part whose machine by itself stands in the moved world; what other machines guarantee it stays as it is."""
     mine = {name: clauses.get(ClauseId(part.name, name), term) for name, term in part.clauses.items()}
-    alone = in_world_of_alone(part.alone, other.alone, part.guaranteed)
+    alone = _in_world_of_alone(part.alone, other.alone, part.guaranteed)
     return replace(part, clauses=mine, alone=alone)
 
 
-def in_world_of_alone(
+def _in_world_of_alone(
     alone: TransitionSystem, other: TransitionSystem, guaranteed: tuple[str, ...]
 ) -> TransitionSystem:
     """Return a machine of a composition by itself, in the other's world; the guaranteed clauses stay its own."""
