@@ -31,8 +31,8 @@ def _line() -> Target:
     return load_target(f"{EXAMPLE}:machine", EXAMPLE.with_suffix(".toml"))
 
 
-def limit_of(target: Target, name: str, way: Direction, where: Where) -> Limit:
-    return limit(Asking(target, where, LIMITS), figures(target)[name], way)
+def limit_of(target: Target, name: str, way: Direction, where: Where, *only: str) -> Limit:
+    return limit(Asking(target, where, LIMITS, only), figures(target)[name], way)
 
 
 def longest_stretch(layout: LayoutConfig) -> int:
@@ -74,6 +74,7 @@ def test_a_narrower_world_needs_no_proof(line: Target) -> None:
     assert found.proved_why == "the world allows nothing that it did not allow before"
 
 
+@pytest.mark.thorough
 def test_the_front_of_two_figures(line: Target) -> None:
     """Each point is the other figure's limit, and the more one takes, the less is left to the other."""
     work = Margins(line, "world", chosen_claims(line, None), LIMITS)
@@ -112,13 +113,13 @@ def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
 def test_a_range_of_the_world_moves_with_its_figure() -> None:
     """`max_speed_mm_s` is the range of a variable of stop_point's world; claims speak of the variable in its new range."""
     target = load_target("stop_point")
-    found = limit_of(target, "max_speed_mm_s", "down", "world")
+    found = limit_of(target, "max_speed_mm_s", "down", "world", "brake order in time")
     assert (1, "held", "") == (found.holds_to, found.end.end, found.proved_why)
 
 
 def test_what_the_configuration_refuses_ends_the_search() -> None:
     """The reason is the configuration's own."""
-    found = limit_of(load_target("stop_point"), "reduced_speed_mm_s", "down", "design")
+    found = limit_of(load_target("stop_point"), "reduced_speed_mm_s", "down", "design", "brake order in time")
     assert (151, 150, "refused") == (found.holds_to, found.beyond, found.end.end)
     assert in_words(found).startswith("150 is refused: reduced_speed_mm_s must exceed")
 
