@@ -85,6 +85,7 @@ def prove_around(target: str, options: AroundOptions, proving: Proving) -> int:
         _figures("--drop", options.drop),
         _figures("--delay", options.delay),
     )
+    _require_truth(loaded, run, list(near.widths), name)
     asked = _asked(loaded, options, proving.only, run.given.length)
     bands = Bands(loaded.system, _drawn(loaded, asked, list(near.widths)))
     around = Around(
@@ -95,6 +96,13 @@ def prove_around(target: str, options: AroundOptions, proving: Proving) -> int:
     if options.out is not None:
         _write(options.out, loaded, run, bands, findings, quiet=proving.quiet)
     return result(findings, [loaded], as_json=proving.quiet)
+
+
+def _require_truth(loaded: Target, run: Recorded, within: Sequence[str], name: str) -> None:
+    """Refuse a ghost in --within where the stream does not hold the truth."""
+    ghosts = [var.name for var in loaded.system.ghosts if var.name in within]
+    if ghosts and not run.given.ghosts:
+        raise InputError(f"--within {ghosts[0]}: it is a ghost, and {name} does not hold the truth; leave it out.")
 
 
 def _say(text: str) -> None:

@@ -100,3 +100,12 @@ def test_recordings_that_ship(call: Call, machine: str, stream: str, within: str
     """A claim on a whole recorded journey, around which inputs deviate, is proved."""
     called = call("prove", machine, "--around", stream, "--within", within, "--claim", claim, "--from", first)
     assert called.code == 0, called.out
+
+
+def test_a_ghost_needs_a_recorded_truth(call: Call, tmp_path: Path) -> None:
+    """A stream without the truth cannot hold a ghost near it."""
+    stream = tmp_path / "measured.jsonl"
+    stream.write_text('{"step_mm": 10}\n{"step_mm": 11}\n', encoding="utf-8")
+    called = call("prove", NEAR, "--around", str(stream), "--within", "truth_mm=1", "--claim", "place_mm < 30")
+    assert called.code == 2
+    assert "--within truth_mm: it is a ghost, and measured does not hold the truth; leave it out." in called.err
