@@ -19,7 +19,7 @@ from safeloc.checker.rules import Speaker, Terms, Theory
 from safeloc.checker.runs import Occurrences
 from safeloc.errors import InputError, StreamError
 from safeloc.language.composition import Composition
-from safeloc.language.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before, between, ite, was
+from safeloc.language.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before_step, between, ite
 from safeloc.language.machine import Machine, Transition
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, FloorDiv
 from safeloc.language.ranges import beyond_int64
@@ -70,7 +70,7 @@ class Goals:
 
     def _never(self, part: str, name: str, term: Bool) -> Goal:
         system = self._alone(part)
-        twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
+        twins: dict[Var, Expr] = {var: before_step(var) for var in system.state}
         asked = reachable(name, Substitution(twins).bool(term), unconditional="ghosts" not in name)
         return observe(system, asked)
 

@@ -53,7 +53,8 @@ def margins(
 ) -> None:
     """Find how far each figure may move before a claim fails: the last value with a proof, and the next one with a run.
 
-    Exit code 0: every limit was found; 3: some value is undecided within the limits, or a claim fails as it is.
+    Exit code 0: every limit was found; 2: a claim is not proved with the figures as they are; 3: some value is undecided within
+    the limits.
     """
     if where not in get_args(Where):
         raise typer.BadParameter(f"--where is world or design, not {where!r}.")
@@ -76,7 +77,7 @@ def margins(
 
 
 def _refuse_if_it_fails(now: Answer) -> None:
-    if now.end != "held":
+    if now.end != "proved":
         raise InputError(
             f"there is no margin to find: {now.claim!r} is {now.end} with the figures as they are (`safeloc prove`); "
             "give the claims that have to hold with --property."

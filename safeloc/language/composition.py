@@ -16,7 +16,7 @@ from safeloc.errors import ModelError, declared_at
 from safeloc.language.checks.composition import Plan, SharedGhost, check_plan, refuse_ghosts
 from safeloc.language.checks.system import check_system
 from safeloc.language.composed_names import lemma_name
-from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before, was
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var, all_of, before_step
 from safeloc.language.first_values import Any_, Initial
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Value
@@ -69,13 +69,13 @@ class Composition:
 def inherited_term(into: Substitution, prop: Property) -> Bool:
     """Rewrite the term of a machine's property as a term of the composition, by the substitution `into`."""
     term = into.bool(prop.term)
-    twins = {var: _before(into(var.before)) for var in variables([term]) if var.before is not None}
+    twins = {var: _twin(into(var.before)) for var in variables([term]) if var.before is not None}
     return Substitution(twins).bool(term)
 
 
-def _before(var: Expr) -> Expr:
+def _twin(var: Expr) -> Expr:
     assert isinstance(var, (NumVar, BoolVar))
-    return before(var) if isinstance(var, NumVar) else was(var)
+    return before_step(var)
 
 
 @check_keywords(ModelError, {"owes": "discharge"})

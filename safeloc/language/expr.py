@@ -154,6 +154,11 @@ def was(var: BoolVar) -> BoolVar:
     return BoolVar(f"before.{var.name}", var, declared_at())
 
 
+def before_step(var: Var) -> Var:
+    """Return, for use in a property, the value of a state variable before the step: `before` or `was`, by its kind."""
+    return before(var) if isinstance(var, NumVar) else was(var)
+
+
 # ------------------------------------------------------------------ building
 
 

@@ -23,7 +23,7 @@ from typing import Literal
 from safeloc.errors import PropertyError, declared_at
 from safeloc.language.checks.properties import Reading, check_property, check_reading, check_watching
 from safeloc.language.checks.system import check_system
-from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before, ite, was
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before_step, ite
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import Node, Past, Value
 from safeloc.language.renamed import check_keywords
@@ -187,7 +187,7 @@ def reachable(
 
 def _earlier(term: Expr) -> Expr:
     """Return the value that a term over state variables had before the step: `before` and `was` for whole terms."""
-    twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term])}
+    twins: dict[Var, Expr] = {var: before_step(var) for var in variables([term])}
     return Substitution(twins)(term)
 
 

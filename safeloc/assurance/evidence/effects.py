@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from safeloc.assurance.evidence.interval import HOLDS, holds_truth, valid_term, withdrawn_within
-from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before, was
+from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before_step
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, earlier_bool, observe, once, previous, reachable
 from safeloc.language.system import TransitionSystem
@@ -167,7 +167,5 @@ def _row(table: NumVar, name: str) -> Lit:
 def _of_the_step(term: Bool, system: TransitionSystem) -> Bool:
     """Return a clause, which reads state before the step and inputs, in the form of a claim."""
     state = set(system.state)
-    twins: dict[Var, Expr] = {
-        var: before(var) if isinstance(var, NumVar) else was(var) for var in variables([term]) if var in state
-    }
+    twins: dict[Var, Expr] = {var: before_step(var) for var in variables([term]) if var in state}
     return Substitution(twins).bool(term)

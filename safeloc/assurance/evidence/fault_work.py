@@ -9,10 +9,9 @@ from typing import Any, Protocol
 
 from safeloc.assurance.evidence.core_work import cores_of
 from safeloc.assurance.evidence.effects import CYCLES, Effect, End, Run, effect
-from safeloc.assurance.evidence.interval import HOLDS, holds_truth
+from safeloc.assurance.evidence.interval import HOLDS, claims_of, holds_truth
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
 from safeloc.language.expr import TRUE
-from safeloc.language.spec import Property
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses
@@ -48,7 +47,7 @@ class Breaking:
 
     def cores(self, target: Target) -> list[Core]:
         """Return the proof cores of the target's claims, including the claim that its interval contains the truth."""
-        every = _claims(target)
+        every = claims_of(target)
         self.progress.say(f"proof cores of {target.name}", len(every))
         return cores_of(
             target,
@@ -107,14 +106,7 @@ class Breaking:
 
 def planned(target: Target) -> int:
     """Return the number of results of cores and single breaches of a target."""
-    return len(_claims(target)) + len(assumed_clauses(target.system))
-
-
-def _claims(target: Target) -> list[Property]:
-    """Return the target's claims, without reachable ones, and the claim that its interval contains the truth."""
-    top = holds_truth(target)
-    claims = [prop for prop in target.properties if prop.kind != "reachable"]
-    return [*claims, *([top] if top is not None else [])]
+    return len(claims_of(target)) + len(assumed_clauses(target.system))
 
 
 def _only_interval(target: Target) -> Target:

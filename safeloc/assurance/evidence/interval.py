@@ -20,6 +20,13 @@ def holds_truth(target: Target) -> Property | None:
     return None if term is None else always(HOLDS, term)
 
 
+def claims_of(target: Target) -> list[Property]:
+    """Return the target's claims, without reachable ones, and the claim that its interval contains the truth."""
+    top = holds_truth(target)
+    claims = [prop for prop in target.properties if prop.kind != "reachable"]
+    return [*claims, *([top] if top is not None else [])]
+
+
 def withdrawn_within(target: Target, cycles: int) -> Property:
     """Return the claim that a wrong interval is right again or withdrawn after at most `cycles` cycles.
 

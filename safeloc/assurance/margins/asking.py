@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.assurance.evidence.interval import HOLDS, claims_of
 from safeloc.assurance.margins.figures import Refused, moved
 from safeloc.assurance.margins.moved_world import in_world_of
 from safeloc.codegen.smtlib import Query
@@ -31,12 +31,12 @@ UNMOVED = "nothing in the world depends on it"
 class Answer:
     """Whether all claims hold at one value of a figure.
 
-    end     held: each claim was proved; broken: a run breaks `claim`; undecided: `claim` was not decided within the limits;
+    end     proved: each claim was; broken: a run breaks `claim`; undecided: `claim` was not decided within the limits;
             refused: the configuration or the machine does not take the value, for the reason `why`
     first, inputs  of a run that breaks a claim: its first state, and the inputs of every cycle
     """
 
-    end: Literal["held", "broken", "undecided", "refused"]
+    end: Literal["proved", "broken", "undecided", "refused"]
     claim: str = ""
     why: str = ""
     first: Mapping[str, Value] | None = None
@@ -44,18 +44,18 @@ class Answer:
 
 
 class Asking:
-    """Asks about one target; an answer is kept, and the claim that broke last is asked first."""
+    """Asks about one target; an answer is kept. The claim that broke last is asked first, and at first that of the interval."""
 
     def __init__(self, target: Target, where: Where, limits: Limits, only: Iterable[str] = ()) -> None:
         self._target, self._where, self._limits = target, where, limits
         self._only = frozenset(only)
         self._answers: dict[tuple[tuple[str, int], ...], Answer] = {}
         self._made: dict[tuple[tuple[str, int], ...], Target | str] = {}
-        self._broke_last = ""
+        self._broke_last = HOLDS
 
     def as_it_is(self) -> Answer:
         """Return whether all claims hold with the figures as they are: without this there is no margin to find."""
-        return self._of_claims(self._target.system, claims(self._target))
+        return self._of_claims(self._target.system, claims_of(self._target))
 
     def refusal(self, values: Mapping[str, int]) -> str:
         """Return the reason why the machine cannot be made at these values; "" if it can."""
@@ -83,16 +83,16 @@ class Asking:
         if isinstance(made, str):
             return Answer("refused", why=made)
         if self._where == "design":
-            return self._of_claims(made.system, claims(made))
+            return self._of_claims(made.system, claims_of(made))
         try:
             world = in_world_of(self._target.system, made.system)
         except Refused as error:
             return Answer("refused", why=str(error))
         if not world.differs:
-            return Answer("held", why=UNMOVED)
+            return Answer("proved", why=UNMOVED)
         if not world.moves and not world.ranges and self._allows_no_more(world.system):
-            return Answer("held", why="the world allows nothing that it did not allow before")
-        return self._of_claims(world.system, map(world.claim, claims(self._target)))
+            return Answer("proved", why="the world allows nothing that it did not allow before")
+        return self._of_claims(world.system, map(world.claim, claims_of(self._target)))
 
     def _allows_no_more(self, system: TransitionSystem) -> bool:
         """True if the assumption implies the original one: what was proved of the original holds here too."""
@@ -111,19 +111,12 @@ class Asking:
             if not isinstance(verdict, Proved):
                 self._broke_last = prop.name
                 return Answer("undecided", prop.name)
-        return Answer("held")
-
-
-def claims(target: Target) -> list[Property]:
-    """Return the claims of a target, without reachable ones, and the claim that its interval contains the truth."""
-    top = holds_truth(target)
-    asked = [prop for prop in target.properties if prop.kind != "reachable"]
-    return [*([] if top is None else [top]), *asked]
+        return Answer("proved")
 
 
 def chosen_claims(target: Target, names: list[str] | None) -> list[str]:
     """Return the names of the claims to ask; InputError for a name that the target does not have."""
-    known = [one.name for one in claims(target)]
+    known = [one.name for one in claims_of(target)]
     for name in names or ():
         if name not in known:
             raise InputError(f"{target.name} has no claim {name!r}; it has {', '.join(known)}.{hint(name, known)}")

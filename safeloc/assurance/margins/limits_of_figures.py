@@ -19,7 +19,7 @@ class Limit:
     """How far one figure may move in one direction, with the other figures as they are.
 
     holds_to  the last value at which all claims are proved; the figure's own value if there is no margin
-    end       the answer at the value beyond: broken (by a run), undecided, refused; held: the range ends at `holds_to`
+    end       the answer at the value beyond: broken (by a run), undecided, refused; proved: the range ends at `holds_to`
     beyond    the value beyond; None at the end of the range
     broken_at  if the value beyond is undecided: one farther away at which a run breaks a claim
     proved_why  the reason why no claim had to be proved at `holds_to`, if none had
@@ -44,7 +44,7 @@ def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[s
     search = _Search(asking, figure, dict(fixed or {}))
     end = figure.high if direction == "up" else figure.low
     if end == figure.value:
-        return Limit(figure, direction, figure.value, Answer("held"), None)
+        return Limit(figure, direction, figure.value, Answer("proved"), None)
     admitted = search.last_admitted(end)
     if admitted == figure.value:
         beyond = figure.value + search.sign(end)
@@ -52,10 +52,10 @@ def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[s
     next_value = figure.value + search.sign(end)
     if search.answer(next_value).end == "broken":
         return Limit(figure, direction, figure.value, search.answer(next_value), next_value)
-    if search.answer(admitted).end == "held":
+    if search.answer(admitted).end == "proved":
         return search.at_the_end(direction, admitted, end)
     good, bad = search.bracket(admitted)
-    good, bad = nearest(good, bad, lambda value: search.answer(value).end == "held")
+    good, bad = nearest(good, bad, lambda value: search.answer(value).end == "proved")
     broken_at = None
     if search.answer(bad).end == "undecided" and search.answer(admitted).end == "broken":
         _, broken_at = nearest(bad, admitted, lambda value: search.answer(value).end != "broken", _PATIENCE)
@@ -110,15 +110,15 @@ class _Search:
             tried = self._figure.value + self.sign(end) * step
             if abs(tried - self._figure.value) >= abs(end - self._figure.value):
                 return good, end
-            if self.answer(tried).end != "held":
+            if self.answer(tried).end != "proved":
                 return good, tried
             good, step = tried, 4 * step
 
     def at_the_end(self, direction: Direction, admitted: int, end: int) -> Limit:
         """Return the limit of a figure whose claims hold at the last value that the configuration admits."""
-        held = self.answer(admitted)
+        proved = self.answer(admitted)
         if admitted == end:
-            return Limit(self._figure, direction, admitted, Answer("held"), None, proved_why=held.why)
+            return Limit(self._figure, direction, admitted, Answer("proved"), None, proved_why=proved.why)
         beyond = admitted + self.sign(end)
         refused = Answer("refused", why=self.refusal(beyond))
-        return Limit(self._figure, direction, admitted, refused, beyond, proved_why=held.why)
+        return Limit(self._figure, direction, admitted, refused, beyond, proved_why=proved.why)

@@ -27,7 +27,7 @@ def in_words(one: Limit) -> str:
             further = "" if one.broken_at is None else f"; a run breaks a claim at {one.broken_at}"
             what = one.end.why or f"at {one.beyond} {one.end.claim!r} is not decided within the limits"
             return what + further
-        case "held":
+        case "proved":
             return "holds to the end of the range" + (f": {one.end.why}" if one.end.why else "")
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from safeloc.assurance.margins.figures import Refused
 from safeloc.assurance.mutation.declared import claimed
-from safeloc.language.expr import Bool, BoolVar, Expr, NumVar, Var, all_of, before, was
+from safeloc.language.expr import Bool, BoolVar, Expr, NumVar, Var, all_of, before_step
 from safeloc.language.spec import Property
 from safeloc.language.system import Part, TransitionSystem
 from safeloc.language.terms import Sharing, Substitution, variables
@@ -38,7 +38,7 @@ class MovedWorld:
         if not self.ranges:
             return prop
         earlier = {
-            var: _before(self.ranges[var.before])
+            var: before_step(self.ranges[var.before])
             for var in _variables_of(prop)
             if var.before is not None and var.before in self.ranges
         }
@@ -144,7 +144,3 @@ def _clauses_over(base: TransitionSystem, ranges: Mapping[Var, Var]) -> dict[Cla
 def _variables_of(prop: Property) -> list[NumVar | BoolVar]:
     terms = variables([prop.term, prop.response, prop.further_assumption])
     return [var for var in terms if isinstance(var, NumVar | BoolVar)]
-
-
-def _before(var: Var) -> Expr:
-    return before(var) if isinstance(var, NumVar) else was(var)

@@ -132,8 +132,23 @@ class _Ending:
         }
         ranges |= {var: sure[var] for var in self._refuted(given, numbers, ranges)}
         pairs = dict(self._pairs(given, numbers)) if self.detail.pairs else {}
-        self._prove(given, _bounded(numbers, ranges) | _bounded_apart(numbers, pairs), "ranges")
+        self._prove(
+            given,
+            self._folded_to(fixed, labels)
+            | _bounded(self._unfolded(numbers), ranges)
+            | _bounded_apart(self._unfolded(numbers), pairs),
+            "ranges",
+        )
         return Piece(fixed, ranges, pairs)
+
+    def _folded_to(self, fixed: Mapping[Var, Value], labels: Labels) -> dict[str, Bool]:
+        """Return the goals that numbers and flags are the constants to which they fold under the labels, by name."""
+        open_ = [var for var in fixed if var not in labels and not isinstance(self.state[var], (Lit, Truth))]
+        return {f"{var.name} is constant": _equals(self.state[var], fixed[var]) for var in open_}
+
+    def _unfolded(self, numbers: Mapping[NumVar, Num]) -> dict[NumVar, Num]:
+        """Return the terms of numbers as they were before they were folded under the labels: those are proved."""
+        return {var: term for var in numbers if isinstance(term := self.state[var], Num)}
 
     def _refuted(
         self, given: Sequence[Bool], numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 from safeloc.codegen.smtlib import Query
 from safeloc.language.composed_names import lemma_name
-from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before, was
+from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before_step
 from safeloc.language.spec import Property, always
 from safeloc.language.system import Part, TransitionSystem, environment
 from safeloc.language.terms import Substitution, conjuncts
@@ -66,7 +66,7 @@ def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]
 
 
 def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
-    twins: dict[Var, Expr] = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
+    twins: dict[Var, Expr] = {var: before_step(var) for var in system.state}
     return Substitution(twins).bool(term)
 
 

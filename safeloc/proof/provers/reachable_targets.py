@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from safeloc.language.expr import Bool, Lit, NumVar, before, was
+from safeloc.language.expr import Bool, Lit, NumVar, before_step
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Goal, observe, reachable
 from safeloc.language.system import TransitionSystem
@@ -14,7 +14,7 @@ from safeloc.language.terms import Substitution
 
 def happens(system: TransitionSystem, name: str, term: Bool) -> Goal:
     """Return the goal that some step meets `term`, which is over the state before the step and its inputs."""
-    twins = {var: before(var) if isinstance(var, NumVar) else was(var) for var in system.state}
+    twins = {var: before_step(var) for var in system.state}
     return observe(system, reachable(name, Substitution(dict(twins)).bool(term)))
 
 

@@ -70,7 +70,7 @@ def test_a_figure_of_the_machine_alone_does_not_move_the_world(line: Target) -> 
 def test_a_narrower_world_needs_no_proof(line: Target) -> None:
     """Shorter stretches are among those that were proved."""
     found = limit_of(line, "stretch_mm", "down", "world")
-    assert (0, "held") == (found.holds_to, found.end.end)
+    assert (0, "proved") == (found.holds_to, found.end.end)
     assert found.proved_why == "the world allows nothing that it did not allow before"
 
 
@@ -114,7 +114,7 @@ def test_a_range_of_the_world_moves_with_its_figure() -> None:
     """`max_speed_mm_s` is the range of a variable of stop_point's world; claims speak of the variable in its new range."""
     target = load_target("stop_point")
     found = limit_of(target, "max_speed_mm_s", "down", "world", "brake order in time")
-    assert (1, "held", "") == (found.holds_to, found.end.end, found.proved_why)
+    assert (1, "proved", "") == (found.holds_to, found.end.end, found.proved_why)
 
 
 def test_what_the_configuration_refuses_ends_the_search() -> None:
