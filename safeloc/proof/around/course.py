@@ -24,15 +24,13 @@ CHOOSING = (Choose, ChooseBool, Min, Max)
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A set of states: constants, ranges of numbers, and bounds of differences; what is not named is free.
+    """A set of states: constants, and ranges of numbers; what is not named is free.
 
-    apart      pair of numbers -> bounds of the first minus the second
     condition  of the first states: the machine's `initially`
     """
 
     fixed: Mapping[Var, Value]
     ranges: Mapping[NumVar, Bounds] = field(default_factory=dict)
-    apart: Mapping[tuple[NumVar, NumVar], Bounds] = field(default_factory=dict)
     condition: Bool = TRUE
 
     def holds_in(self, state: Mapping[Var, Value]) -> bool:
@@ -40,7 +38,6 @@ class Piece:
         return (
             all(state[var] == value for var, value in self.fixed.items())
             and all(low <= state[var] <= high for var, (low, high) in self.ranges.items())
-            and all(low <= state[a] - state[b] <= high for (a, b), (low, high) in self.apart.items())
             and bool(evaluate([self.condition], state)[0])
         )
 
@@ -80,8 +77,7 @@ class Course:
         self.inputs: list[Mapping[Var, Expr]] = []
         self._free: list[Sequence[Var]] = [free]
         known = Known(first, self.intervals.decide)
-        start = [piece.condition, *space.facts, *(_apart(*one) for one in piece.apart.items())]
-        self.given: list[Sequence[Bool]] = [_parts(known, start)]
+        self.given: list[Sequence[Bool]] = [_parts(known, [piece.condition, *space.facts])]
 
     def _first(self, var: Var, free: list[Var]) -> Expr:
         if var in self.piece.fixed:
@@ -184,15 +180,6 @@ def _at_rest(var: Var) -> Value:
 def constant(var: Var, value: Value) -> Expr:
     """Return a value of a variable as a constant."""
     return Lit(int(value), var.unit) if isinstance(var, NumVar) else Truth(bool(value))
-
-
-def _apart(pair: tuple[NumVar, NumVar], bounds: Bounds) -> Bool:
-    return within(difference(*pair), bounds)
-
-
-def difference(one: Num, other: Num) -> Num:
-    """Return the first number minus the second."""
-    return one - other
 
 
 def within(term: Num, bounds: Bounds) -> Bool:

@@ -1,15 +1,13 @@
 """The set of states in which a window of cycles may end, proved, and handed over to the next window.
 
 It is a union of pieces. In each piece modes and flags are constants, as far as there are few combinations of them, and numbers
-have ranges. The ranges are those of the folded terms; where a proof needs more they are narrowed by bisection, and differences
-of numbers of one unit are bounded too. Wherever they come from, both solvers then prove that no stream leaves the set.
+have ranges. The ranges are those of the folded terms; those of terms that choose among values are narrowed by bisection. Wherever they come from, both solvers then prove that no stream leaves the set.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Any
 
 from safeloc.codegen.simplify_under_facts import Known, implied
@@ -20,15 +18,13 @@ from safeloc.language.interpret import evaluate
 from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.terms import in_order
-from safeloc.language.units import Enumeration
-from safeloc.proof.around.course import CHOOSING, Course, Piece, constant, difference, within
+from safeloc.proof.around.course import CHOOSING, Course, Piece, constant, within
 from safeloc.proof.provers.implication import Refuted, countermodel, unproved
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.provers.settle import settled
 
 _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
-_MOST_PAIRS = 60
 _MOST_TRIES = 60
 _PRECISION = 20_000
 """A range is narrowed to this share of its first width."""
@@ -38,18 +34,6 @@ _VALUE_SECONDS = 2.0
 
 class UnsettledError(Exception):
     """The solvers do not settle a question within the limits."""
-
-
-@dataclass(frozen=True)
-class Detail:
-    """How much work a hand-over gets.
-
-    narrow  all numbers are narrowed by bisection, not only those that choose among values
-    pairs   differences are bounded
-    """
-
-    narrow: bool = False
-    pairs: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +47,14 @@ class HandedOver:
 Labels = Mapping[Var, Value]
 
 
-def hand_over(course: Course, detail: Detail, ends: Deadline, name: str) -> HandedOver:
+def hand_over(course: Course, ends: Deadline, name: str) -> HandedOver:
     """Return the proved set of states at the end of a course; no piece if no stream comes so far. UnsettledError if undecided."""
-    return _Ending(course, detail, ends, name).handed_over()
+    return _Ending(course, ends, name).handed_over()
 
 
 @dataclass(eq=False)
 class _Ending:
     course: Course
-    detail: Detail
     ends: Deadline
     name: str
 
@@ -131,15 +114,8 @@ class _Ending:
             for var, bounds in sure.items()
         }
         ranges |= {var: sure[var] for var in self._refuted(given, numbers, ranges)}
-        pairs = dict(self._pairs(given, numbers)) if self.detail.pairs else {}
-        self._prove(
-            given,
-            self._folded_to(fixed, labels)
-            | _bounded(self._unfolded(numbers), ranges)
-            | _bounded_apart(self._unfolded(numbers), pairs),
-            "ranges",
-        )
-        return Piece(fixed, ranges, pairs)
+        self._prove(given, self._folded_to(fixed, labels) | _bounded(self._unfolded(numbers), ranges), "ranges")
+        return Piece(fixed, ranges)
 
     def _folded_to(self, fixed: Mapping[Var, Value], labels: Labels) -> dict[str, Bool]:
         """Return the goals that numbers and flags are the constants to which they fold under the labels, by name."""
@@ -173,7 +149,7 @@ class _Ending:
 
     def _is_rough(self, term: Num) -> bool:
         """Return whether the bounds of a term may be wider than what streams reach, since it chooses among values."""
-        return self.detail.narrow or any(isinstance(node, CHOOSING) for node in in_order([term]))
+        return any(isinstance(node, CHOOSING) for node in in_order([term]))
 
     def _narrowed(self, given: Sequence[Bool], term: Num, bounds: Bounds) -> Bounds:
         """Return bounds that some stream reaches, as far as the limits go."""
@@ -220,21 +196,6 @@ class _Ending:
         (value,) = evaluate([term], self.course.with_rest(values))
         return value
 
-    def _pairs(
-        self, given: Sequence[Bool], numbers: Mapping[NumVar, Num]
-    ) -> Iterator[tuple[tuple[NumVar, NumVar], Bounds]]:
-        """Yield bounds of differences that are narrower than the ranges of both numbers make them."""
-        plain = [var for var in numbers if not isinstance(var.unit, Enumeration)]
-        alike = [(a, b) for a, b in combinations(plain, 2) if a.unit.same(b.unit)]
-        for a, b in alike[:_MOST_PAIRS]:
-            apart = difference(numbers[a], numbers[b])
-            low, high = self.course.intervals(apart)
-            if self.detail.narrow:
-                low, high = self._narrowed(given, apart, (low, high))
-            (low_a, high_a), (low_b, high_b) = self.course.intervals(numbers[a]), self.course.intervals(numbers[b])
-            if low > low_a - high_b or high < high_a - low_b:
-                yield (a, b), (low, high)
-
     # -------------------------------------------------------------- proofs
 
     def _prove(self, given: Sequence[Bool], goals: Mapping[Any, Bool], what: str) -> None:
@@ -254,13 +215,6 @@ def _bounded(numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]) -> 
     """Return the goals that numbers are in their ranges, by name."""
     goals = {var.name: within(numbers[var], ranges[var]) for var in numbers}
     return {key: goal for key, goal in goals.items() if not isinstance(goal, Truth)}
-
-
-def _bounded_apart(numbers: Mapping[NumVar, Num], pairs: Mapping[tuple[NumVar, NumVar], Bounds]) -> dict[str, Bool]:
-    """Return the goals that differences are within their bounds, by name."""
-    return {
-        f"{a.name} - {b.name}": within(difference(numbers[a], numbers[b]), bounds) for (a, b), bounds in pairs.items()
-    }
 
 
 def _equals(term: Expr, value: Value) -> Bool:
@@ -299,12 +253,7 @@ def _both(one: Piece, other: Piece) -> Piece:
             (low, high), (least, most) = _of(one, var), _of(other, var)
             ranges[var] = min(low, least), max(high, most)
     fixed = {var: value for var, value in one.fixed.items() if var in other.fixed and other.fixed[var] == value}
-    apart = {
-        pair: (min(bounds[0], other.apart[pair][0]), max(bounds[1], other.apart[pair][1]))
-        for pair, bounds in one.apart.items()
-        if pair in other.apart
-    }
-    return replace(one, fixed=fixed, ranges=ranges, apart=apart)
+    return replace(one, fixed=fixed, ranges=ranges)
 
 
 def _of(piece: Piece, var: NumVar) -> Bounds:

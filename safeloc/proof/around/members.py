@@ -11,7 +11,7 @@ from safeloc.language.interpret import evaluate, holds, step
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.proof.around.course import Course, Piece, Space, first_piece
-from safeloc.proof.around.hand_over import Detail, UnsettledError, hand_over
+from safeloc.proof.around.hand_over import UnsettledError, hand_over
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses
 from safeloc.proof.provers.implication import countermodel
 from safeloc.proof.provers.limits import Limits, deadline
@@ -104,9 +104,7 @@ def emptied(space: Space, limits: Limits) -> Empty | None:
                     return Empty(cycle, _culprits(space, pieces, at, cycle, limits))
             return None
         try:
-            made = [
-                hand_over(one, Detail(), deadline(limits.seconds), f"{space.system.name} alive {to}") for one in courses
-            ]
+            made = [hand_over(one, deadline(limits.seconds), f"{space.system.name} alive {to}") for one in courses]
         except UnsettledError:
             return None
         pieces, at = [piece for one in made for piece in one.pieces], to

@@ -15,7 +15,7 @@ from safeloc.language.expr import Bool, Var
 from safeloc.language.nodes import Truth, Value
 from safeloc.language.spec import Goal
 from safeloc.proof.around.course import Course, Piece, Space, first_piece
-from safeloc.proof.around.hand_over import Detail, UnsettledError, hand_over, joined
+from safeloc.proof.around.hand_over import UnsettledError, hand_over, joined
 from safeloc.proof.provers.implication import Undecided, countermodel
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.settle import settled
@@ -98,7 +98,6 @@ class Windows:
     space: Space
     claims: Sequence[Claim]
     limits: Limits
-    detail: Detail = field(default_factory=Detail)
     window: int = _WINDOW
     watched: Observe | None = None
     handed: list[tuple[int, Sequence[Piece]]] = field(default_factory=list, init=False)
@@ -156,7 +155,7 @@ class Windows:
         found: list[Piece] = []
         for number, course in enumerate(courses, 1):
             name = f"{self.space.system.name} after cycle {course.end} from {course.begin}.{number}"
-            made = hand_over(course, self.detail, deadline(self.limits.seconds), name)
+            made = hand_over(course, deadline(self.limits.seconds), name)
             self.texts |= made.texts
             found += made.pieces
         labels = list(dict.fromkeys(var for piece in found for var in piece.fixed if self.space.tells_apart(var)))
