@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from safeloc.catalogue import Target
-from safeloc.language.expr import boolean, ite, maximum, number, optional
+from safeloc.language.expr import before, boolean, ite, maximum, number, optional
 from safeloc.language.machine import ANY, Machine, Transition, modes
-from safeloc.language.spec import Property, always, before, never, once, reachable, within
+from safeloc.language.spec import Property, always, never, once, reachable, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
 
