@@ -6,6 +6,7 @@ SAFELOC_HYPOTHESIS=deep pytest tests
 from __future__ import annotations
 
 import os
+import signal
 from itertools import count
 from pathlib import Path
 
@@ -23,6 +24,10 @@ settings.register_profile(
 )
 settings.register_profile("deep", deadline=None, max_examples=1000, suppress_health_check=SLOW_BUT_FINE)
 settings.load_profile(os.environ.get("SAFELOC_HYPOTHESIS", "ci"))
+
+# A shell that runs the tests in the background lets them ignore what Ctrl-C sends, and so would every process that a test starts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 NUMBERS = count()
 GENERATING = ("codegen", "fuzz", "language")
