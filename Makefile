@@ -14,7 +14,7 @@ READY := .venv/ready
 SHARED := -n 3 --dist worksteal
 # An ordinary test takes seconds; one that hangs is ended after this time, and where it hung is told.
 ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
-# Of the tests that take more than three seconds a sample is ordinary (tests/ordinary.py). WHICH="not slow" are all that take less
+# Of the tests that take more than a second and a half of processor time a sample is ordinary (tests/ordinary.py). WHICH="not slow" are all that take less
 # than minutes.
 WHICH := ordinary
 # Many tests and all proofs start processes: what is compiled once is kept, also where the environment says otherwise.

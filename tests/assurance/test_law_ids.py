@@ -8,6 +8,8 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 from safeloc.assurance.law_ids import ids_of
 from safeloc.assurance.register import Assumption, register
 from safeloc.catalogue import ENTRIES, load_target
@@ -49,6 +51,7 @@ def test_an_id_has_one_meaning_and_a_meaning_has_one_id() -> None:
     assert len(meanings) > 200
 
 
+@pytest.mark.thorough
 def test_the_page_writes_every_law_of_an_id_in_the_same_way() -> None:
     """The whole term, to its last part: that of the register is cut where it is long."""
     written = defaultdict[str, set[str]](set)

@@ -26,6 +26,7 @@ def test_runs_are_judged(tallies: dict[str, Tally]) -> None:
     assert 1 == sum(tally.counts.values()) == tally.runs
 
 
+@pytest.mark.thorough
 def test_the_tables_say_what_was_measured(tallies: dict[str, Tally]) -> None:
     """A row for each quantity, and one for the condition."""
     assert [CONDITIONS[0].name] * 4 == [row.split(" | ")[0][2:] for row in list(by_quantity(tallies))[2:]]

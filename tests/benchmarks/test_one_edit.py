@@ -48,6 +48,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> Runs:
     return made
 
 
+@pytest.mark.thorough
 def test_each_edit_begins_with_what_the_unedited_run_left(runs: Runs, tmp_path: Path) -> None:
     """Nothing is edited at first and one file after that; no run finds what another edit's run left."""
     one_edit.main(["--edits", "2", "--out", str(tmp_path / "runs.jsonl")])
@@ -58,6 +59,7 @@ def test_each_edit_begins_with_what_the_unedited_run_left(runs: Runs, tmp_path: 
     assert [["emitter"]] * 3 == [line["anew"] for line in lines]
 
 
+@pytest.mark.thorough
 def test_it_goes_on_where_it_was(runs: Runs, tmp_path: Path) -> None:
     """The first run is made again, since its cache is gone, and is not told twice."""
     out = str(tmp_path / "runs.jsonl")

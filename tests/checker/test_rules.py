@@ -54,6 +54,7 @@ def test_readings_of_one_input_are_one_goal() -> None:
     assert (["confirmed"], {}, {}) == ([row.answer for row in found.rows], found.wrong, found.undecided)
 
 
+@pytest.mark.thorough
 def test_a_goal_left_out(whole_proofs: dict[str, Evidence]) -> None:
     """A step that does not show what it presumes shows nothing: the last goal is dropped from each certificate in turn."""
     for name, evidence in whole_proofs.items():

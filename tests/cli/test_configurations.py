@@ -80,6 +80,7 @@ def test_the_defaults_keep_their_recordings() -> None:
     assert set(by_name.values()) == {()}
 
 
+@pytest.mark.thorough
 def test_recordings_of_other_figures_are_left_out_and_named(call: Call, tmp_path: Path) -> None:
     """A vehicle with a reader at one end alone: a recording of both ends is no evidence about it, and no failure."""
     one_end = tmp_path / "one_end.toml"

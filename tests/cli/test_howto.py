@@ -48,6 +48,7 @@ def test_the_lemma_makes_the_proof(call: Call, tmp_path: Path) -> None:
     assert "proved    floor/lemma/a tile in each place  [1-induction" in called.out
 
 
+@pytest.mark.thorough
 def test_a_wrong_lemma_does_no_harm(call: Call, tmp_path: Path) -> None:
     """It is violated, and the property is no more proved than without it."""
     machine, lemma = blocks("undecided")

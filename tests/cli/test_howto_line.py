@@ -33,6 +33,7 @@ def test_the_bare_line_is_refused_as_quoted(call: Call, parts: tuple[str, str]) 
     assert rules == {"odometry stretch", "routes told apart"}
 
 
+@pytest.mark.thorough
 def test_what_the_page_adds_is_enough(call: Call, parts: tuple[str, str]) -> None:
     """Only advice is left, about the group that the page names; the runs replay and hold."""
     Path("station.toml").write_text("\n".join(parts), encoding="utf-8")

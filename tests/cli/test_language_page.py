@@ -36,6 +36,7 @@ def test_every_block_is_tried() -> None:
     assert all(f"\n{shown.name} = " in block for shown, block in zip(SHOWN, BLOCKS, strict=True))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("shown", "block"), [*zip(SHOWN, BLOCKS, strict=True)], ids=[one.name for one in SHOWN])
 def test_it_is_proved(call: Call, tmp_path: Path, shown: Shown, block: str) -> None:
     """As printed, by the command line; what the page says of it is among the findings."""
@@ -46,6 +47,7 @@ def test_it_is_proved(call: Call, tmp_path: Path, shown: Shown, block: str) -> N
     assert f"proved    {shown.proved}" in called.out
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("shown", "block"), list(zip(SHOWN, BLOCKS, strict=True))[1:], ids=["barrier", "vehicle"])
 def test_its_law_is_needed(call: Call, tmp_path: Path, shown: Shown, block: str) -> None:
     """A weaker law, or a weaker neighbour, and the proof is gone: the examples show what they say."""

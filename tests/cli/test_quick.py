@@ -63,6 +63,7 @@ def test_the_page_made_again_says_the_same(call: Call, tmp_path: Path) -> None:
     assert first == page.read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("spec", [f"{TEMPLATE}:machine", f"{COMPOSITION}:whole"])
 def test_what_is_left_open_is_what_is_proved(spec: str) -> None:
     """A complete run has a finding of each property, lemma, mode and transition that a quick one leaves open."""

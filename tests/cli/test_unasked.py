@@ -36,7 +36,7 @@ NAMES = [
 ]
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("declared", "said"), NAMES)
 def test_what_was_looked_for_is_said(call: Call, tmp_path: Path, declared: str, said: str) -> None:
     """Without properties, or under another name: which name was found, in which file, and how it must be called."""
@@ -105,6 +105,7 @@ def test_a_replay_does_not_say_all_holds(call: Call, tmp_path: Path) -> None:
     assert "run: closes: never happened: its trigger (fired = start to close)" in called.out
 
 
+@pytest.mark.thorough
 def test_a_trigger_that_never_comes(call: Call, tmp_path: Path) -> None:
     """Proved and saying nothing: vacuous in `prove` and in `test`, exit code 3."""
     declared = "properties = [always('v', (closing_for > 2_900).implies(machine.mode.eq(OPEN)))]"

@@ -84,7 +84,7 @@ def test_examples_run_as_interpreted(example: Example, tmp_path: Path) -> None:
     agree()
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_pass_their_own_check(example: Example, tmp_path: Path) -> None:
     """The exported folder compiles under the strictest flags and passes, plain and under sanitizers."""

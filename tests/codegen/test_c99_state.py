@@ -119,6 +119,7 @@ def holds_for(name: str, folder: Path, tries: int, steps: int) -> None:
         assert followed(machine, state, place % 20, steps) == [], state
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["route", "turn_off", "transmission"])
 def test_a_damaged_state_that_passes_never_leaves_its_ranges(name: str, tmp_path: Path) -> None:
     """Whatever the inputs."""

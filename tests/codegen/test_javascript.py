@@ -124,7 +124,7 @@ def test_examples_run_as_interpreted(node: Node, example: Example) -> None:
 
 
 @needs_node
-@pytest.mark.thorough(ordinary=4)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ENTRIES)
 def test_shipped_machines_run_as_interpreted(node: Node, name: str) -> None:
     """Every shipped machine, with its world and on board, on the beginning of a recording and on drawn inputs."""
@@ -463,7 +463,7 @@ def test_claims_of_every_kind_are_monitored(node: Node) -> None:
 
 
 @needs_node
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ENTRIES)
 def test_claims_of_shipped_machines_are_monitored(node: Node, name: str) -> None:
     """Also where a drawn run breaks what they assume: such a claim says nothing any more."""

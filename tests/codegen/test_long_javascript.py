@@ -50,6 +50,7 @@ def test_a_wrong_script_is_noticed(
     assert " failed" in printed.splitlines()[-1]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["stop_point", "train_order"])
 def test_machines_move(name: str) -> None:
     """The inputs are such that transitions fire: of each machine at least a third of its table within two blocks."""

@@ -60,7 +60,7 @@ def test_random_machines_run_as_interpreted(data: st.DataObject) -> None:
     assert_same_run(system, data.draw(streams(system, 4)), data.draw(first_states(system)))
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(example: Example) -> None:
     """On every example machine and any stream, the encoding's only run is the interpreter's."""

@@ -39,6 +39,7 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
     return Checkout(tmp_path_factory.mktemp("checkout"))
 
 
+@pytest.mark.thorough
 def test_a_new_copy_keeps_what_it_finds(tmp_path: Path) -> None:
     """Otherwise warm and cold runs would be the same, and their comparison would show nothing."""
     copy, cache = Checkout(tmp_path / "copy"), tmp_path / "cache"

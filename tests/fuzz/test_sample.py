@@ -58,6 +58,7 @@ def test_compositions_agree(block: int) -> None:
     assert found.compared["inherited"] >= 4
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("block", range(2))
 def test_back_ends_agree(block: int) -> None:
     """Twenty-five machines and compositions up to the ends of 64 bits, two of them in C, by every back end."""

@@ -191,6 +191,7 @@ def test_every_choice_of_sources_is_proved(sources: tuple[str, ...]) -> None:
     test_everything_is_proved(sources)
 
 
+@pytest.mark.thorough
 def test_every_transition_fires_in_some_run() -> None:
     """All obligations, with three sources."""
     system = lower(machine("odometry", "balise", "satellite").machine)

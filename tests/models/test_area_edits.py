@@ -94,6 +94,7 @@ OF_THE_AREA: dict[str, tuple[str, Wrong, str]] = {
 RIGHT_SWEPT = vars(area)["_swept"]
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("edit", OF_A_TRAIN)
 def test_a_wrong_edit_of_a_train_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The claim that is named is kept by the machines as they are, and not by those that were edited wrongly."""

@@ -96,7 +96,7 @@ def test_a_recording_is_its_run(machine: str, stem: str) -> None:
     assert STREAMS_OF[machine].RUNS[stem].outcome.endswith(".")
 
 
-@pytest.mark.thorough(ordinary=10)
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("stem", [one for one in NAMED if one not in UNLAWFUL])
 def test_a_run_is_lawful(stem: str) -> None:
     """With its truth, it keeps what is assumed, and every property holds on it or is not about it."""
@@ -118,6 +118,7 @@ def test_a_recording_verifies(machine: str, stem: str) -> None:
     assert {"held"} == {word(one.result) for one in findings}
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("machine", STREAMS_OF)
 def test_a_simulation_is_lawful(machine: str) -> None:
     """Whatever the seed: the truth beside the steps keeps the assumption; another seed is another run."""

@@ -29,6 +29,7 @@ from safeloc.simulation.motion import Leg
 from tests.models.balise_runs import board_only, label, on_board, out, wrong
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("free", [False, True])
 def test_simulated_groups_keep_the_assumption(free: bool) -> None:
     """The simulation with its ghosts satisfies the assumption in every step, and every property holds on it."""
@@ -114,6 +115,7 @@ def test_simulation_refuses_faults_of_unknown_groups() -> None:
         simulate(BaliseConfig(), seed=1, seconds=1, groups=line(count=1), faults=[Fault("missed", 9)])
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", [f"balise-{run}" for run in RUNS])
 def test_shipped_streams_hold(name: str) -> None:
     """Every property, and the truth beside it, holds on the shipped streams."""

@@ -158,7 +158,7 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
 }
 
 
-@pytest.mark.thorough(ordinary=2)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """FVA-8: known place and known time, in the terms that the machine judges by."""
@@ -169,6 +169,7 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
     assert lost(wrong.machine, properties(wrong), broken)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("row", "forgets", "broken"),
     [

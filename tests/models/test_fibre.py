@@ -87,6 +87,7 @@ def test_turning_within_a_section() -> None:
     assert trace.steps[-1].outputs["count"] == 0
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("drive", "reason"),
     [
@@ -219,6 +220,7 @@ def lacking(claim: str) -> bool:
     return not inductive(model.machine, _named(claim, model))
 
 
+@pytest.mark.thorough(ordinary=8)
 @pytest.mark.parametrize(("name", "wrong", "broken"), EDITS, ids=[f"{name}: {broken}" for name, _, broken in EDITS])
 def test_a_wrong_term_is_noticed(
     name: str, wrong: Callable[[Cycle], object], broken: str, monkeypatch: pytest.MonkeyPatch
@@ -228,6 +230,7 @@ def test_a_wrong_term_is_noticed(
     assert lacking(broken)
 
 
+@pytest.mark.thorough(ordinary=6)
 @pytest.mark.parametrize("claim", sorted({broken for *_, broken in EDITS}))
 def test_the_right_machine_keeps_it(claim: str) -> None:
     """What wrong edits lose, the machine as it ships has."""

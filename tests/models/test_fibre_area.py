@@ -116,6 +116,7 @@ def test_the_recordings_come_out_the_same(tmp_path: Path) -> None:
     assert [path.name for path in made if path.read_bytes() != (FOLDER / path.name).read_bytes()] == []
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("journey", "cycle", "reason"),
     [
@@ -149,6 +150,7 @@ def test_a_train_that_turns_back() -> None:
     assert trace.steps[248].outputs["entry.left"]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("cells", "reason"),
     [
@@ -302,6 +304,7 @@ def test_a_broken_row_is_noticed(part: str, row: str, fields: dict[str, object],
     assert not inductive_in(model.composition.system, prop)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("wire", "broken"),
     [

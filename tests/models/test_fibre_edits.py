@@ -102,7 +102,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.thorough(ordinary=9)
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The claim that is named is kept by the machine as it is, and not by the one that was edited wrongly."""

@@ -121,6 +121,7 @@ def test_a_train_unheard_on_the_way() -> None:
     assert taking(trace)[:2] == ["NO_REFERENCE", "TRUSTED"]
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """Every lemma and property of both areas together, without a bound."""
     found = prove(made().composition.system, properties(made()), Limits(seconds=30), jobs=2)
@@ -148,6 +149,7 @@ def spoilt(part: str, row: str, **fields: object) -> FibreHandover:
     return joined(CONFIG, giving, between, taking_, voice)
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize(
     ("part", "row", "fields", "broken"),
     [

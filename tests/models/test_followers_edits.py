@@ -114,6 +114,7 @@ OF_THE_AREA: dict[str, tuple[str, Wrong, str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", OF_THE_BOUND)
 def test_a_wrong_edit_of_the_bound_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The claim that is named is kept by the machines as they are, and not by those that were edited wrongly."""

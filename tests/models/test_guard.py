@@ -460,6 +460,7 @@ def test_wrong_configurations_are_refused() -> None:
 # ------------------------------------------------------------------ streams
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("seed", range(4))
 def test_simulated_receivers_obey_the_law_and_are_guarded(seed: int) -> None:
     """On simulated faults every property holds with the truth beside it, and most fixes are passed on."""

@@ -72,6 +72,7 @@ OF_A_TERM: dict[str, tuple[ModuleType, str, Wrong, str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("borders", CONFIGS)
 @pytest.mark.parametrize("edit", OF_A_SECTION)
 def test_a_wrong_edit_of_a_detection_section_is_noticed(
@@ -84,6 +85,7 @@ def test_a_wrong_edit_of_a_detection_section_is_noticed(
     assert not keeps(claim, CONFIGS[borders])
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("borders", CONFIGS)
 @pytest.mark.parametrize("edit", OF_A_TERM)
 def test_a_wrong_edit_of_a_bound_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str, borders: str) -> None:

@@ -111,7 +111,7 @@ def test_a_lawful_journey_keeps_what_is_assumed(name: str) -> None:
         state, _ = step(system, state, inputs)
 
 
-@pytest.mark.thorough(ordinary=2)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "-"))
 def test_what_goes_wrong_is_noticed_as_told(case: Case) -> None:
     """What is told of it fires, more often than on the nominal journey; no interval is wrong that could be right."""
@@ -123,6 +123,7 @@ def test_what_goes_wrong_is_noticed_as_told(case: Case) -> None:
     assert against_the_sources(told) == []
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("journey", ["main-line", "freight"])
 def test_one_satellite_by_a_detour_is_left_out(journey: str) -> None:
     """Its channel is not usable while it is disturbed, the other seven are; nothing else is different."""

@@ -77,6 +77,7 @@ def test_without_the_change_nothing_is_replaced() -> None:
     assert not BRANCHES[0] & {group for _, group in announced(steps, "ADD")}
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("kind", [OTHER, STALE])
 def test_no_group_that_is_not_announced_counts(kind: str) -> None:
     """Groups are read behind the switch and none is accepted: not announced, and later without a place on the route."""

@@ -171,6 +171,7 @@ def _more(said: Distances) -> NDArray[np.int64]:
     return np.zeros_like(said.step_mm) if said.more_nm is None else said.more_nm
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("kind", [None, *KINDS])
 @pytest.mark.parametrize("faulty", ["odometer", "check"])
 def test_every_run_is_covered(faulty: str, kind: str | None) -> None:

@@ -65,6 +65,7 @@ def owed(patch: pytest.MonkeyPatch, edit: Edit | None) -> Base:
 QUICK = ("no more than 0.1 m a cycle is added", "silence adds half the top speed")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in EDITS]
 )

@@ -93,6 +93,7 @@ def test_worked_figures(length: int, on_m1: int, on_m2: int) -> None:
     assert (between_markers.count("M1"), between_markers.count("M2")) == (on_m1, on_m2)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("length", [100_000, 250_000, 300_000, 499_000])
 def test_worst_run_is_the_longer_part(length: int) -> None:
     """The farthest run since a reading is max(L, D - L), for 0 < L < D; the reading comes in the next cycle."""
@@ -339,6 +340,7 @@ def test_silence_delocalizes_with_its_reason() -> None:
     assert (label(trace, "mode"), label(trace, "reason")) == ("DELOCALIZED", "SENSOR_FAILURE")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("single_fault_safe", [False, True])
 @pytest.mark.parametrize("kind", ["slide", "slip", "stuck", "runaway"])
 def test_a_faulty_wheel_never_makes_the_interval_wrong(kind: str, single_fault_safe: bool) -> None:

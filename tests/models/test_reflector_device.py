@@ -83,6 +83,7 @@ _OF_REFLECTORS = "reflector: a dead-reckoned interval holds the truth"
 _OF_THE_HOST = "delocalized: a passed position holds the truth"
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("owner", "lemmas"),
     [
@@ -235,7 +236,7 @@ def _input(machine: Machine, name: str) -> Var:
     return found
 
 
-@pytest.mark.thorough(ordinary=4)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the contract or the claim that is named, which the right wires keep."""

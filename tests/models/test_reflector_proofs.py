@@ -73,6 +73,7 @@ def test_each_check_of_an_echo_is_needed(dropped: Lit, broken: str, monkeypatch:
         assert not inductive(made.machine, named(made, broken), broken)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(
     "name", ["reflector tracked", "reflector found", "self-test passed", "next reflector takes over"]
 )

@@ -106,6 +106,7 @@ def test_the_front_end_keeps_the_law_that_the_machine_assumes(run: list[Cycle]) 
     assert known > 60
 
 
+@pytest.mark.thorough
 def test_the_truth_is_held(run: list[Cycle]) -> None:
     """In every cycle with a position."""
     valid = [cycle for cycle in run if cycle.outputs["valid"]]

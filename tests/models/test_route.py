@@ -72,6 +72,7 @@ def test_the_routes_are_those_of_the_source() -> None:
     assert sorted(["ADAB", "ACD", "ADCD", "ADAD", "DCD"]) == sorted(NAMES)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("taken", range(1, 6), ids=NAMES)
 def test_each_route_is_recognised(taken: int) -> None:
     """With every reflector seen, the route taken is decided, and no other one is ever stated."""
@@ -84,7 +85,7 @@ def test_each_route_is_recognised(taken: int) -> None:
 MISSED = [(one.number, sight.identity) for one in WAYS for sight in one.sights]
 
 
-@pytest.mark.thorough(ordinary=6)
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(("taken", "identity"), MISSED, ids=[f"{NAMES[n - 1]}-{i}" for n, i in MISSED])
 def test_a_missed_reflector_never_makes_another_route(taken: int, identity: str) -> None:
     """Whichever reflector is missed, no wrong route is stated: ADCD without its first A is not DCD, without D not ACD."""
@@ -192,6 +193,7 @@ def test_impossible_configurations_are_refused() -> None:
         RouteConfig(odometer={"kind": "accelerometer", "drift_mm_s2": 5})
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("routes", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (5, 16))])
 def test_everything_is_proved(routes: int) -> None:
     """Every property, for any number of routes, without a bound on the length of the run."""

@@ -85,7 +85,7 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.thorough(ordinary=10)
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The claim that is named is kept by the machine as it is, and not by the one that was edited wrongly."""

@@ -276,6 +276,7 @@ def test_everything_is_proved(channels: int) -> None:
     assert [] == _unproved(model, seconds=60 if channels == 4 else 600)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("drift_check", ["where present", "required"])
 def test_false_signals_lead_no_farther_than_told(drift_check: Literal["where present", "required"]) -> None:
     """With nothing assumed of any signal: the distance between position and truth is bounded, without a bound on time."""
@@ -328,6 +329,7 @@ def test_containment_needs_its_assumption() -> None:
     assert ["satellite_drift/property/containment"] == _unproved(compose_machines(CONFIG, "odometry"), "containment")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("weaker", "noticed"),
     [
@@ -458,6 +460,7 @@ def test_a_wrong_edit_of_prediction_or_restart_is_noticed(
     assert lost_by(model.composition.system, properties(model), noticed)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("noticed", ["containment", "a satellite that violates the criterion never counts"])
 def test_a_selection_that_accepts_every_satellite_is_noticed(noticed: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """SAT-1: that usable signals keep their bounds follows from the criterion, and from nothing that is assumed of them."""

@@ -260,6 +260,7 @@ def test_free_of_the_track_more_satellites_are_needed() -> None:
     assert abs(int(found.inputs["position.fix_mm"]) - sim.truth[19].place_m * 1_000) < 4_000
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("compared", ["doppler", "pseudorange"])
 def test_what_is_not_compared_is_not_solved(compared: str) -> None:
     """Doppler alone gives the speed, and the place stays the predicted one; pseudorange alone leaves the speed open."""

@@ -248,6 +248,7 @@ def test_the_bound_of_a_usable_satellite_is_tight(quantity: Quantity, most: int)
     assert (CONFIG.usable_range_error_mm, CONFIG.usable_speed_error_mm_s) == (14_700, 1_950)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("term", ["threshold", "prediction", "clock"])
 @pytest.mark.parametrize("quantity", get_args(Quantity))
 def test_no_term_of_that_bound_can_be_left_out(quantity: Quantity, term: str) -> None:

@@ -62,6 +62,7 @@ def test_the_line_and_its_scenes() -> None:
     assert (mapped.from_mm, mapped.to_mm) == (own.from_m * 1_000, own.to_m * 1_000)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_recordings_are_these_journeys(name: str) -> None:
     """What ships is what the journey gives; a figure may be rounded the other way on another machine."""

@@ -223,7 +223,7 @@ def states(trace: Trace, second: int) -> str:
     return "".join(table[int(trace.steps[second].state[f"section_{n}.mode"])].label[0] for n in range(1, 5))
 
 
-@pytest.mark.thorough(ordinary=8)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("number", range(4), ids=[f"{borders}, {trusted}" for borders, trusted in SETTINGS])
 @pytest.mark.parametrize("name", SITUATIONS)
 def test_a_known_situation(name: str, number: int) -> None:
@@ -233,7 +233,7 @@ def test_a_known_situation(name: str, number: int) -> None:
     assert what.states[number] == " ".join(states(trace, second) for second in what.at)
 
 
-@pytest.mark.thorough(ordinary=8)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("number", range(4), ids=[f"{borders}, {trusted}" for borders, trusted in SETTINGS])
 @pytest.mark.parametrize("name", BY_HALVES)
 def test_a_known_situation_with_detection_inside(name: str, number: int) -> None:

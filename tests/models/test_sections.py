@@ -195,7 +195,7 @@ def test_recordings_are_replayed_only_where_they_fit(area: dict[str, Any]) -> No
 NOT_COUNTED: dict[str, Any] = {"trains": 1, "borders": "occupancy"}
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     "area",
     [

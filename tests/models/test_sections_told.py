@@ -83,6 +83,7 @@ def test_timers_are_durations() -> None:
         SectionsConfig(area=AreaConfig(count_limit=30))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("timers", "broken"),
     [

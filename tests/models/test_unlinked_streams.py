@@ -75,6 +75,7 @@ def test_a_recording_is_its_run(stem: str) -> None:
     assert RUNS[stem].outcome.endswith(".")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("stem", RUNS)
 def test_every_claim_holds_on_a_recording(stem: str) -> None:
     """With its truth it keeps what is assumed, and every property holds on it; `verify` finds the same."""
@@ -141,6 +142,7 @@ def test_far_behind() -> None:
     assert [("NO_GROUP", 0), ("NONE", 1), ("TOLERANCE", 0)] == course("unlinked_group-far-behind")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("stem", RUNS)
 def test_the_balise_machine_beside_it_is_not_moved(stem: str) -> None:
     """Located, it has the same interval in every cycle with and without the telegrams of unlinked groups, and refuses each of these."""

@@ -101,6 +101,7 @@ def test_named_faults(name: str, reason: str, *, revoked: bool) -> None:
     assert trace.steps[-2].outputs["revoked"] is revoked
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("cells", "reason"),
     [
@@ -311,6 +312,7 @@ NAMES = {
 } | {reason.label: name for name, (reason, *_) in NAMED.items()}
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("reason", [why.label for _, why in made().judgement.flaws])
 def test_a_comparison_that_is_left_out_is_noticed(reason: str) -> None:
     """A mismatch that does not count loses the proof of what it is there for, and that every mismatch is latched."""
@@ -387,6 +389,7 @@ def lacking(claim: str) -> bool:
     return not inductive(model.machine, next(one for one in properties(model) if one.name == claim))
 
 
+@pytest.mark.thorough(ordinary=10)
 @pytest.mark.parametrize("claim", sorted({broken for *_, broken in EDITS} | set(NAMES.values())))
 def test_the_right_machine_keeps_it(claim: str) -> None:
     """What wrong edits lose, the machine as it ships has."""

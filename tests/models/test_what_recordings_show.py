@@ -70,7 +70,7 @@ def is_documented(recording: str) -> bool:
     )
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("machine", MANY)
 def test_each_recording_teaches_something(machine: str) -> None:
     """One that shows the same as others does not ship: it becomes a run on demand, or a page shows what it is for."""

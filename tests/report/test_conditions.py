@@ -6,6 +6,8 @@ import re
 from dataclasses import asdict
 from typing import Any
 
+import pytest
+
 from safeloc.assurance.register import register, register_of
 from safeloc.catalogue import load_target
 from safeloc.report.conditions import conditions, counts, figures, needs
@@ -31,6 +33,7 @@ def test_every_law_is_there_once() -> None:
     assert len([law for law in found["laws"] if law["id"] == "odometry/A5" and "odometry" in law["targets"]]) == 1
 
 
+@pytest.mark.thorough
 def test_page_and_command_count_alike() -> None:
     """Laws left to others and figures to confirm, of machines that share both; the command has the law of records besides."""
     names = ("odometry", "supervised_odometry", "balise", "marker_device", "reflector_device")

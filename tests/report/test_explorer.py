@@ -394,7 +394,7 @@ def test_paper_has_every_part(page: Page, tmp_path: Path, monkeypatch: pytest.Mo
     assert page.js("window.printed") == 0
 
 
-@pytest.mark.thorough(ordinary=4)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
 @pytest.mark.parametrize("width", [DESK, PHONE], ids=["desk", "phone"])
 def test_no_barrier_for_anybody(page: Page, report: Path, recordings: Path, dark: bool, width: tuple[int, int]) -> None:

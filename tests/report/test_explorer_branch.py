@@ -547,5 +547,5 @@ def test_a_named_configuration_can_be_saved_as_a_test(tmp_path: Path) -> None:
         saved = tmp_path / "test_saved.py"
         for content in (made, made.replace(f'["{fired}"]', '["another"]')):
             saved.write_text(content, encoding="utf-8")
-            done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:safeloc", "--rootdir", str(tmp_path), "test_saved.py"], cwd=tmp_path, capture_output=True, text=True, check=False)  # fmt: skip
+            done = subprocess.run([sys.executable, "-m", "pytest", "-q", "--disable-plugin-autoload", "--rootdir", str(tmp_path), "test_saved.py"], cwd=tmp_path, capture_output=True, text=True, check=False)  # fmt: skip
             assert ("2 passed" in done.stdout) == (content == made), done.stdout

@@ -49,6 +49,7 @@ def quiet(page: Page) -> None:
     assert page.said() == []
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("single", [False, True])
 def test_texts_of_a_machine_are_inert(page: Page, tmp_path: Path, single: bool) -> None:
     """Names of transitions and properties, statements, reasons, documentation, the configuration, and the place asked for."""

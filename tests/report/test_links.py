@@ -84,6 +84,7 @@ def test_a_requirement_leads_to_its_properties() -> None:
     assert '<a href="#r0">door: known</a> <span class="proved">proved</span>' in to_html(data)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(
     ("kinds", "verdict"),
     [

@@ -78,6 +78,7 @@ def test_the_schema_refuses_strangers(data: dict[str, Any]) -> None:
             jsonschema.validate(wrong, schema())
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["odometry", "delocalized", "supervised_odometry"])
 def test_shipped_machines_obey_the_schema(name: str) -> None:
     """Each shipped machine, with its configuration and composition, is described within the schema."""

@@ -30,6 +30,7 @@ def still(cycles: int) -> Motion:
     return Motion(100, np.zeros(cycles, dtype=np.int64), np.zeros(cycles), 0)
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("severity", [0.0, 0.9, 1.0])
 def test_no_seed_breaks_the_law(law: ErrorLaw, severity: float) -> None:

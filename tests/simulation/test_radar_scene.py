@@ -58,6 +58,7 @@ def test_a_sound_run_sees_the_reflector_in_every_frame() -> None:
     assert [True] * 12 == [sees(one) for one in outcomes(weather=Weather(rain_mm_h=30))]
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(
     ("kind", "reason"),
     [

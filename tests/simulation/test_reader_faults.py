@@ -106,6 +106,7 @@ def verdicts(steps: Steps) -> tuple[Trace, list[str]]:
     return trace, [shown(verdict, step.state["front_reading"]) for step in trace.steps]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("kind", "figures", "verdict"),
     [

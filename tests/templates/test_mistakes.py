@@ -77,7 +77,7 @@ def test_every_message_of_the_readme_is_tried(template: str) -> None:
 CASES = [(template, message) for template, messages in MISTAKES.items() for message in messages]
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("template", "message"), CASES, ids=[message[:40] for _, message in CASES])
 def test_the_mistake_gives_the_message(call: Call, tmp_path: Path, template: str, message: str) -> None:
     """As the README says, word for word, and no exit code that could be taken for good."""

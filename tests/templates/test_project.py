@@ -53,6 +53,7 @@ def test_the_files_of_a_project(call: Call, tmp_path: Path, template: str) -> No
     assert f"{module}.py:{TEMPLATES[template].machine}" in (folder / "Makefile").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_make_verify(tmp_path: Path, template: str) -> None:
     """`make verify` and `make quick` of a new project: all holds, and a report; what was not asked is no failure of make."""

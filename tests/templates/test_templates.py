@@ -17,6 +17,7 @@ from safeloc.templates.project import TEMPLATES
 ROOT = Path(__file__).parents[2] / "safeloc" / "templates"
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_every_transition_fires(template: str) -> None:
     """All holds of the template, and each transition has a run of its own."""

@@ -50,6 +50,7 @@ def test_the_longest_stretch_is_that_of_the_closed_form(line: Target, where: Whe
     assert found.end.inputs[-1]["true_run_mm"] == 470_001
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("constant", "rate", "tolerance"), [(1_000, 20_000, 10_000), (6_000, 100_000, 50_000)])
 def test_the_longest_stretch_of_other_figures(tmp_path: Path, constant: int, rate: int, tolerance: int) -> None:
     """The search finds the closed form's value, whatever the figures are."""
@@ -110,6 +111,7 @@ def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
     assert (found.margin, found.beyond, found.end.end, found.end.claim) == (0, 50_001, "broken", HOLDS)
 
 
+@pytest.mark.thorough
 def test_a_range_of_the_world_moves_with_its_figure() -> None:
     """`max_speed_mm_s` is the range of a variable of stop_point's world; claims speak of the variable in its new range."""
     target = load_target("stop_point")
@@ -117,6 +119,7 @@ def test_a_range_of_the_world_moves_with_its_figure() -> None:
     assert (1, "proved", "") == (found.holds_to, found.end.end, found.proved_why)
 
 
+@pytest.mark.thorough
 def test_what_the_configuration_refuses_ends_the_search() -> None:
     """The reason is the configuration's own."""
     found = limit_of(load_target("stop_point"), "reduced_speed_mm_s", "down", "design", "brake order in time")

@@ -68,6 +68,7 @@ def test_a_clause_that_a_claim_needs() -> None:
     assert ("property stays open",) == one.alone.by
 
 
+@pytest.mark.thorough
 def test_a_clause_that_asks_for_too_much() -> None:
     """Left out altogether, or weaker by one, every claim is proved all the same."""
     for becomes in ("true", "noise ≤ 5 count"):

@@ -94,6 +94,7 @@ def test_no_section_is_free_with_a_train_in_it(name: str) -> None:
     assert checked > len(steps) / 4 / heard.steps_per_column
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", [one.name for one in AREA_SCENES])
 def test_the_picture_shows_what_the_machine_tells(name: str) -> None:
     """The section that the machine as it ships has, is one of those kept for the picture, state by state."""

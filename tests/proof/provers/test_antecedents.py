@@ -56,6 +56,7 @@ def proved(prop: Property, system: TransitionSystem | None = None) -> Finding:
     return finding
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(
     ("prop", "words"),
     [
@@ -228,6 +229,7 @@ def test_of_a_machine_by_itself() -> None:
     assert "of hearer by itself, none of the whole" == outcome.where
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(
     ("claim", "told"),
     [

@@ -31,6 +31,7 @@ LIMITS = Limits(seconds=60)
 RANDOM = 60
 
 
+@pytest.mark.thorough(ordinary=7)
 @pytest.mark.parametrize("name", SEEDS)
 def test_a_seeded_dead_end_is_found(name: str) -> None:
     """The shortest run into it is found, and the interpreter finds no lawful inputs after it either."""
@@ -45,6 +46,7 @@ def test_a_seeded_dead_end_is_found(name: str) -> None:
     admissible_run(system, verdict.trace.initial, [one.inputs for one in verdict.trace.steps])
 
 
+@pytest.mark.thorough(ordinary=10)
 @pytest.mark.parametrize("name", SEEDS)
 def test_a_mended_machine_is_proved_to_last(name: str) -> None:
     """The proof comes with certificates that cvc5 confirms."""

@@ -38,6 +38,7 @@ def test_all_deep_bugs_are_found(bug: DeepBug) -> None:
     _found(bug)
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples(example: Example) -> None:
     """A false property is violated; a true one never is."""

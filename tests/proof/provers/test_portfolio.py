@@ -36,6 +36,7 @@ LIMITS = Limits(depth=12, seconds=20.0)
 SAME_LEVEL = LEVEL.eq(LEVEL)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_every_example_is_decided(example: Example) -> None:
     """True properties are proved and false ones violated, in processes as in this one."""

@@ -50,6 +50,7 @@ def test_all_properties_and_obligations_are_proved(emitter: Target) -> None:
     assert len(emitter.properties) < expected_of_proof(emitter, None) <= len(findings)
 
 
+@pytest.mark.thorough
 def test_side_by_side_as_one_after_the_other(emitter: Target) -> None:
     """Properties and obligations in one queue have the results, in the order, that they have in two."""
     apart = [

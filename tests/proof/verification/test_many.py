@@ -40,6 +40,7 @@ def alone() -> tuple[Target, list[Finding]]:
     return emitter, Work(emitter, 1, lambda *_: None, lambda _: None).verified(PLAN)
 
 
+@pytest.mark.thorough
 def test_findings_are_the_same_after_a_journey_as_data(alone: tuple[Target, list[Finding]]) -> None:
     """Findings sent through JSON make the same report, runs and replays included; shared objects stay shared."""
     emitter, findings = alone
@@ -68,6 +69,7 @@ def test_side_by_side_is_as_one_by_one(alone: tuple[Target, list[Finding]]) -> N
         assert (Began, Over) == (own[0], own[-1])
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("jobs", "order"), [(1, [1, 2, 0]), (2, [0, 1, 2])])
 def test_a_short_target_begins_beside_the_longest(jobs: int, order: list[int]) -> None:
     """With several processes the first results come soon; with one the longest target begins, as it takes as long in any order."""

@@ -53,6 +53,7 @@ def test_it_goes_on_whatever_comes(others: list[Delivery]) -> None:
         assert not found.passed or found.interval_mm is not None
 
 
+@pytest.mark.thorough
 @given(st.lists(deliveries(), max_size=12))
 def test_what_is_withheld_narrows_nothing(others: list[Delivery]) -> None:
     """After a delivery that is withheld no window lies within the one before."""

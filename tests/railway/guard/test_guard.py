@@ -151,6 +151,7 @@ def test_farther_than_positions_count() -> None:
 # ------------------------------------------------------------------ never a wrong interval, never a wrong track
 
 
+@pytest.mark.thorough(ordinary=5)
 @pytest.mark.parametrize("seed", range(12))
 def test_passed_fixes_hold_a_vehicle_that_obeys_the_law(seed: int) -> None:
     """On a fork with a parallel track: whatever the faults, a passed interval holds the vehicle, on its own track."""

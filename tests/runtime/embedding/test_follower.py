@@ -116,6 +116,7 @@ def test_follows_the_interpreter(machine: Machine, small: bool) -> None:
     agree()
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("small", [False, True])
 def test_random_machines_in_a_host(small: bool) -> None:
     """Any machine on any stream: same modes, outputs and rows, and callbacks in either spelling."""

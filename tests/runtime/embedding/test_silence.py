@@ -60,6 +60,7 @@ def test_a_silent_step_is_within_the_assumption(name: str, machine: str) -> None
     assert broken(target, machine) == {}
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", CANNOT)
 def test_others_would_be_wronged(name: str) -> None:
     """Where silence itself says something about the world, it is not declared: the same question is answered no."""

@@ -82,6 +82,7 @@ def odometry(**figures: Any) -> Controller:
     return Controller(ENTRIES["odometry"].make(OdometryConfig(**figures)))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -13,7 +13,7 @@ HARMLESS = [mishap for mishap in MISHAPS if not mishap.breaks]
 BREAKING = [mishap for mishap in MISHAPS if mishap.breaks]
 
 
-@pytest.mark.thorough(ordinary=4)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("mishap", HARMLESS, ids=lambda mishap: mishap.name)
 def test_no_mishap_to_lines_gives_a_wrong_interval(mishap: object) -> None:
     """Each alone, rare and often; places are still reported, so that the test says something."""

@@ -62,6 +62,7 @@ def test_a_moving_train_is_counted(speed: float) -> None:
     assert Count(6, None, True) == counted(CONFIG, speed, 6, 1_500)
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("speed", [-40.0, 12.0, 40.0])
 @pytest.mark.parametrize("wavering_m", [10, 20, 30])
 @pytest.mark.parametrize("joints", [4, 6])
@@ -125,6 +126,7 @@ RUN_ON, IN_STARTS, TO_AND_FRO = (
 )
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("legs", [RUN_ON, IN_STARTS, TO_AND_FRO], ids=["runs on", "stops and starts", "to and fro"])
 @pytest.mark.parametrize("lost_m", [1_001.0, 1_100.0, 1_250.0])
 def test_a_count_is_not_told_for_longer_than_its_run(legs: list[tuple[float, float]], lost_m: float) -> None:

@@ -43,6 +43,7 @@ def plain_run(speed: float = 40.0) -> Outcomes:
     return tuple(seen(world(coaches(5, 200 if speed > 0 else 1_800, speed)), 80))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_a_train_is_told_within_its_bounds(speed: float) -> None:
     """Ends, length and speed, in both directions; one track all along."""
@@ -139,6 +140,7 @@ def test_sections_give_position_signals(factor: float, by: str, effect: Effect, 
     assert length.low <= 60_000 <= length.high
 
 
+@pytest.mark.thorough
 def test_signals_come_whatever_the_time_of_flight_says() -> None:
     """A drift of 3 percent moves Se by 30 m and more, and no signal in time: the machine's comparison gives F."""
     config = CONFIG.model_copy(update={"section_places": WAVE})
@@ -168,6 +170,7 @@ def point_run(drift_ppm: float) -> Outcomes:
     return tuple(seen(scene, 56))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("drift_ppm", [0.0, 30_000.0])
 def test_coincidence_with_reflecting_points_needs_no_index(drift_ppm: float) -> None:
     """The front is at the point when it is told to be, drift or not (FWG-5)."""
@@ -227,7 +230,7 @@ FAULTS: dict[str, object] = {
 }
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("kind", list(FAULTS))
 def test_faults_are_refused_and_end_what_was_followed(kind: str) -> None:
     """With their reason; trains have to be confirmed anew, under new numbers."""

@@ -70,6 +70,7 @@ def _unread() -> set[int]:
     return {number for number, line in enumerate(STATION.splitlines(), 1) if line.strip().startswith(marks)}
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("value", DAMAGE)
 def test_damaged_railml_is_imported_or_refused(railml: Read, tmp_path: Path, value: str) -> None:
     """Any attribute with any nonsense in it: never another error, and every error names the file."""
