@@ -12,8 +12,7 @@ the other.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import islice
@@ -78,7 +77,7 @@ class Controller:
         self._builder = self._building(start_ms)
         self._watch = Watch(self.program, self.setting.period_ms) if assumptions else None
         self._lock = threading.RLock()
-        self._busy = False
+        self._alone = _Alone(self, self._lock)
         self._halted = ""
         self._listeners = Listeners(self.program)
         self._report = self._now()
@@ -96,7 +95,7 @@ class Controller:
         """
         taken = _listed(records)
         in_words("lost", lost)
-        with self._alone():
+        with self._alone:
             if len(taken) > MOST_RECORDS:
                 lost = lost or f"more than {MOST_RECORDS} records in one cycle"
             for number, record in enumerate(taken[:MOST_RECORDS]):
@@ -124,7 +123,7 @@ class Controller:
         in_words("lost", lost)
         if truth_mm is not None and type(truth_mm) is not int:
             raise InputError(f"truth_mm is {truth_mm!r}; give whole mm, or leave it out.")
-        with self._alone():
+        with self._alone:
             placed, faults = checked_inputs(self.program, inputs)
             refused = _with_loss(tuple(faults), lost)
             return self._moved(self._builder.close(), {} if refused else placed, refused, truth_mm)
@@ -139,7 +138,7 @@ class Controller:
         """
         if not in_words("reason", reason):
             raise InputError("reason is empty; give the reason for the restart in words.")
-        with self._alone():
+        with self._alone:
             self._require_quiet(reason)
             if start_ms is not None:
                 self._builder = self._building(start_ms)
@@ -210,7 +209,7 @@ class Controller:
         expectation or first state; the controller is then unchanged. No listener is called.
         """
         content = memory.restored(self.program, self.setting, data)
-        with self._alone():
+        with self._alone:
             deliveries = Deliveries()
             deliveries.last = dict(content.deliveries)
             self._builder = self._building(content.start_ms, content.done, deliveries)
@@ -231,21 +230,6 @@ class Controller:
         raise NotCopiedError(f"{self.program.name}: a controller cannot be pickled; {_ANOTHER}")
 
     # ------------------------------------------------------------------ inside
-
-    @contextmanager
-    def _alone(self) -> Iterator[None]:
-        with self._lock:
-            if self._busy:
-                raise InputError(
-                    "a listener must not step its own controller; make the call after the step has returned."
-                )
-            if self._halted:
-                raise InputError(f"{self.program.name} has halted: {self._halted}. Make a new controller.")
-            self._busy = True
-            try:
-                yield
-            finally:
-                self._busy = False
 
     def _building(self, start_ms: int, done: int = 0, deliveries: Deliveries | None = None) -> CycleBuilder:
         if type(start_ms) is not int or start_ms < 0:  # with NaN, every record would count as in time
@@ -296,6 +280,30 @@ class Controller:
         """Return a report of the present state, without transitions and rejections."""
         builder = self._builder
         return self.program.report(self._state, (), builder.done, builder.end_ms - builder.period_ms, (), "", None)
+
+
+class _Alone:
+    """Entered by one call at a time, from whatever thread; InputError in a listener's call, and if the controller has halted."""
+
+    def __init__(self, controller: Controller, lock: threading.RLock) -> None:
+        self._controller, self._lock, self._busy = controller, lock, False
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+        why = ""
+        if self._busy:
+            why = "a listener must not step its own controller; make the call after the step has returned."
+        elif self._controller.halted:
+            name = self._controller.program.name
+            why = f"{name} has halted: {self._controller.halted}. Make a new controller."
+        if why:
+            self._lock.release()
+            raise InputError(why)
+        self._busy = True
+
+    def __exit__(self, *_raised: object) -> None:
+        self._busy = False
+        self._lock.release()
 
 
 KINDS = frozenset((*get_args(Record), Unusable))

@@ -106,6 +106,14 @@ class CycleBuilder:
 
     def close(self) -> Cycle:
         """End the open cycle and return it; begin the next one."""
+        inputs, remarks, faults = ({}, {}, ()) if self.empty and not self._expected else self._judged()
+        cycle = Cycle(self.done + 1, self.end_ms, inputs, remarks, faults)
+        self.done, self._used, self._faults = self.done + 1, {}, []
+        self._open()
+        return cycle
+
+    def _judged(self) -> tuple[Mapping[str, int | str], Mapping[str, int], tuple[Fault, ...]]:
+        """Return the inputs of the open cycle, its remarks, and what was refused."""
         faults = [*self._faults, *self._missing()]
         doubtful = {fault.channel for fault in faults}
         totals: dict[str, Mapping[str, int | str]] = {}
@@ -127,10 +135,7 @@ class CycleBuilder:
         for total in totals.values():
             inputs |= total
         truth = self._used["truth"] if "truth" in totals else ()
-        cycle = Cycle(self.done + 1, self.end_ms, inputs, _remarks(truth), tuple(faults))
-        self.done, self._used, self._faults = self.done + 1, {}, []
-        self._open()
-        return cycle
+        return inputs, _remarks(truth), tuple(faults)
 
     def _open(self) -> None:
         """Set the times of the next cycle."""
