@@ -30,7 +30,7 @@ NEVER = {
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from unit.law.portion(share_ppm).growth_nm(self.reach, self.age,  ...": "the law of a part of a cycle has no drift (ErrorLaw.portion)",
     "models/vocabulary/interval.py: self.above + both_sides_nm from self.widened(self.unseen_nm)": "a position of satellites is of the cycle's end: nothing was run since",
     "models/vocabulary/interval.py: self.below + both_sides_nm from self.widened(self.unseen_nm)": "a position of satellites is of the cycle's end: nothing was run since",
-    'properties/odometry/__init__.py: machine.output("age_ms") <= config.age_limit_ms from [prop for maker in makers for prop in maker(model)]': "its sides are the bounds of the declared range: the claim is proved by the range obligation",
+    'properties/odometry/__init__.py: machine.output("age_ms") <= config.age_limit_ms from maker(model)': "its sides are the bounds of the declared range: the claim is proved by the range obligation",
     "properties/odometry/faults.py: model.own.config.single_fault_safe": "a world with a fault that may hide is no shipped target: tests/models/test_odometry_faults.py proves it",
     "properties/odometry/faults.py: position + above + wider from all_of( machine.mode.eq(mode).implies( between(position - be ...": "zero where no fault may hide",
     "properties/odometry/faults.py: position - below - wider from all_of( machine.mode.eq(mode).implies( between(position - be ...": "zero where no fault may hide",

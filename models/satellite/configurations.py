@@ -11,7 +11,7 @@ NEVER = {
     "models/satellite/__init__.py: ite(anchor.kept, anchor.offset, nothing) from _anchor(own, anchor)": "at a reference the anchor is kept; live in all other rows",
     "models/satellite/motion.py: between(-limit, state.position, limit) from reportable(own, known)": "a reference has this range; live of all other states",
     "models/satellite/variables.py: truth is None": "a truth is handed over where motion moves the vehicle: in the localizer",
-    "properties/satellite/__init__.py: coasted <= own.config.coast_limit_cycles from [prop for maker in makers for prop in maker(model)]": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
+    "properties/satellite/__init__.py: coasted <= own.config.coast_limit_cycles from maker(model)": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
     "properties/satellite/state.py: speed + speed_level >= -fast from meets(model)": "a solution's speed has this range (fix_speed_um_s): it is so for all there are",
     "properties/satellite/state.py: speed - speed_level <= fast from meets(model)": "a solution's speed has this range (fix_speed_um_s): it is so for all there are",
 }

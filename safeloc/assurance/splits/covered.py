@@ -6,13 +6,14 @@ are checked: its members are checked by themselves.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel
 
-from safeloc.assurance.source_places import shown
+from safeloc.assurance.source_places import Place, shown
 from safeloc.assurance.splits.deciding import Change, deciding
 from safeloc.assurance.splits.live_splits import Splits, splits_of, together
 from safeloc.assurance.splits.observed import Split
@@ -112,8 +113,18 @@ def text_of(split: Split) -> str:
 
     It contains no line number, so it does not change when lines are added above.
     """
-    called = f" from {source_of(split.way[1])}" if len(split.way) > 1 else ""
+    called = f" from {_called(split.way[1])}" if len(split.way) > 1 else ""
     return f"{shown(split.place.file)}: {source_of(split.place)}{called}"
+
+
+def _called(place: Place) -> str:
+    """Return the text of a call; of a comprehension what it goes over, whose place alone Python 3.13 reports."""
+    try:
+        found = ast.parse(place.text, mode="eval").body
+    except SyntaxError:  # a statement, as `yield from`
+        return source_of(place)
+    over = found.generators[-1].iter if isinstance(found, ast.ListComp | ast.GeneratorExp) else None
+    return source_of(place) if over is None else ast.unparse(over)
 
 
 def _own(folder: str, splits: Splits) -> Splits:
