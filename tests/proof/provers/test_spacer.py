@@ -70,8 +70,9 @@ def test_an_unconditional_property_uses_no_assumption() -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.2, 0.4])
-def test_its_effort_is_limited_and_counted(seconds: float) -> None:
+def test_its_effort_is_limited_and_counted(seconds: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Spacer looks at one state after the other of a long count: it ends at its limit, whatever the clock says."""
+    monkeypatch.setattr(module, "CLOCK", 1_000)
     (on,) = modes("ON")
     count = number("count", COUNT, 0, 500)
     slow = Machine(
