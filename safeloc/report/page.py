@@ -11,7 +11,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -24,13 +24,13 @@ from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
 from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
+from safeloc.report.held_in import recordings, statements
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.told import requirement_lines, told_of
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.scripts import script
-from safeloc.runtime.streams.gzipped import name_of
 
 _HERE = Path(__file__).parent
 PARTS = "page"
@@ -212,8 +212,8 @@ def _machine(
     return {
         **machine,
         "rows": [row for row in of_machine if row["kind"] == "property"],
-        "evidence": _runs_table(evidence),
-        "recordings": _recordings(evidence),
+        "recordings": recordings(evidence, lambda found: _counted(found, ("test", "replay"))),
+        "statements": statements(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
@@ -273,39 +273,6 @@ def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:
 def _named(row: _Data) -> dict[str, Any]:
     """Return the row with a short name, its verdict as it is told, and with `notes_text`, by which tests of the same runs are grouped."""
     return {**row, "name": row["id"].split("/", 2)[-1], "told": told_of(row), "notes_text": json.dumps(row["notes"])}
-
-
-def _runs_table(rows: Sequence[_Data]) -> dict[str, Any]:
-    """Return tests and replays as one table: a row for each statement, a column for the tests and for each recording."""
-    sources = list(dict.fromkeys(_source(row) for row in rows))
-    statements: dict[str, dict[str, Any]] = {}
-    for row in rows:
-        source = _source(row)
-        name = row["name"].removeprefix(f"{name_of(PurePath(source))}: ")
-        line = statements.setdefault(name, {"name": name, "statement": row["statement"], "cells": {}})
-        line["cells"][source] = row
-    steps = {source: max(row["depth"] for row in rows if _source(row) == source) for source in sources}
-    return {"sources": [(source, steps[source]) for source in sources], "rows": list(statements.values())}
-
-
-def _recordings(rows: Sequence[_Data]) -> list[dict[str, Any]]:
-    """Return a row for the tests and for each recording: steps, verdicts, and the names of what did not hold."""
-    sources: dict[str, list[_Data]] = {}
-    for row in rows:
-        sources.setdefault(_source(row), []).append(row)
-    return [
-        {
-            "source": source,
-            "steps": max(row["depth"] for row in found),
-            "found": _counted(found, ("test", "replay")),
-            "others": [row["name"] for row in found if row["verdict"] != "held"],
-        }
-        for source, found in sources.items()
-    ]
-
-
-def _source(row: _Data) -> str:
-    return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else "property tests"
 
 
 def _requirements(data: _Data, links: Links) -> dict[str, Any]:
