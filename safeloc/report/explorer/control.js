@@ -221,6 +221,7 @@ function go(step) {
 
 function say() {
   place("run-slider").value = view.step;
+  place("run-now-title").textContent = view.step ? `step ${view.step} of ${view.trace.steps}` : "before the first step";
   if (document.activeElement !== place("run-step")) place("run-step").value = view.step;
   const fired = view.firedAt(view.step).map(([, name]) => name).join(", ");
   place("run-slider").setAttribute("aria-valuetext", `step ${view.step}, ${fired || "start"}`);
