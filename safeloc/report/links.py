@@ -12,6 +12,8 @@ from markupsafe import Markup, escape
 
 _Data = Mapping[str, Any]
 CERTIFICATES, TRACES = "certificates", "traces"
+_OF_PARTS = ("transition", "law")
+"""What is declared in a part, and is shown under the first target that has the part."""
 _PART = re.compile(r"#\d+")
 """The name of a part of a term that the model does not name."""
 
@@ -89,13 +91,13 @@ class Links:
         return shlex.join(["safeloc", "replay", machine["spec"], self.run_file(row), "--run", row["id"]])
 
     def sources(self, machine: _Data, elsewhere: Collection[str]) -> dict[str, Any]:
-        """Return the declarations of a target with their places on the page, and where to find each transition.
+        """Return the declarations of a target with their places on the page, and where to find each transition and law.
 
         elsewhere  parts that the page shows under another target, with their source lines
         """
         name = machine["name"]
         lines = [{**one, "at": anchor("source", name, str(number))} for number, one in enumerate(machine["declared"])]
-        shown = [one for one in lines if not all(of[0] == "transition" and of[1] in elsewhere for of in one["of"])]
+        shown = [one for one in lines if not all(of[0] in _OF_PARTS and of[1] in elsewhere for of in one["of"])]
         lines = [one for one in shown if one["text"]]  # a file that could not be read has none, and no link leads there
-        rows = {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == "transition"}
-        return {"lines": lines, "transitions": rows}
+        places = {kind: {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == kind} for kind in _OF_PARTS}
+        return {"lines": lines, "transitions": places["transition"], "laws": places["law"]}

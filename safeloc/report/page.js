@@ -30,6 +30,7 @@
       try {
         box.querySelector("div").innerHTML = await unpacked(text);
         box.dataset.shown = "";
+        box.dispatchEvent(new CustomEvent("shown", { bubbles: true }));
       } catch {
         say(box, `${name} is damaged${again}.`);
       }

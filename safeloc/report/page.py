@@ -102,7 +102,7 @@ class _Rendering:
         self.links = links = Links(data, files)
         self._machines = [_machine(machine, results, shown, links) for machine in data["machines"]]
         self._requirements = _requirements(data, links)
-        self._conditions = conditions(data["machines"])
+        self._conditions = _with_sources(conditions(data["machines"]), data["machines"], links)
         self._data = data
         self._given: dict[str, Any] = {
             "data": data,
@@ -145,9 +145,9 @@ class _Rendering:
         given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
         return self._filled("run_page", **given) if first else ""
 
-    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS) -> Markup:
-        """Return where the search finds its data, the view of runs, and the part of each machine."""
-        return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts)})
+    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS, conditions_at: str = "") -> Markup:
+        """Return where the search finds its data, the view of runs, the part of each machine, and that of the conditions."""
+        return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts), "conditions": conditions_at})
 
     def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
@@ -171,7 +171,7 @@ class _Rendering:
             conditions_beside=conditions_at,
             made=made,
             run_at=RUN_PAGE,
-            overview=self._overview(made, parts=beside),
+            overview=self._overview(made, parts=beside, conditions_at=conditions_at),
             script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
@@ -189,6 +189,13 @@ class _Rendering:
 
     def _filled(self, template: str, **given: Any) -> str:
         return self._environment.get_template(f"{template}.html.jinja").render(**given)
+
+
+def _with_sources(found: Mapping[str, list[dict[str, Any]]], machines: Sequence[_Data], links: Links) -> dict[str, Any]:
+    """Return the conditions with the place of the source lines of each law, as the page of its first machine has them."""
+    places = {machine["name"]: links.sources(machine, ())["laws"] for machine in machines}
+    laws = [{**law, "source_at": places[law["targets"][0]].get((law["part"], law["name"]), "")} for law in found["laws"]]
+    return {**found, "laws": laws}
 
 
 def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:

@@ -25,6 +25,7 @@ from safeloc.language.monitor import check_all
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, word
 from safeloc.proof.results import Finding
 from safeloc.report.certificates import read_archives
+from safeloc.report.held_in import statements
 from safeloc.report.data import report_data, schema
 from safeloc.report.extract import extract
 from safeloc.report.file_names import file_names
@@ -235,19 +236,36 @@ def test_trace_back(page: str) -> None:
     assert '<td>new</td><td>property</td><td><a class="id" href="#MRK-1">' in back
 
 
-def test_runs_are_one_table() -> None:
-    """A row a statement, a column a campaign or recording; what was not checked there is said to be not applicable."""
+def test_statements_say_where_they_held() -> None:
+    """Runs with the same verdict and notes stand together; where a statement was not checked it is said to be not applicable."""
     base = replace(UNDECIDED, result=Held("tests", 1, 10, {"contained": "9"}))
     runs = [
         replace(base, id="lamp/test/new", kind="test", method="Hypothesis"),
         replace(base, id="lamp/replay/run: new", kind="replay", method="replay of run.csv"),
+        replace(base, id="lamp/replay/far: new", kind="replay", method="replay of far.csv", result=Held("r", 1, 20, {})),
         replace(base, id="lamp/replay/run: truth", kind="replay", method="replay of run.csv"),
     ]
     shown = to_html(report_data(runs, [target()]))
-    assert "<th>property tests<br>10 steps</th><th>run.csv<br>10 steps</th>" in shown
-    new, truth = re.findall(r'<tr><td class="says"><b>(?:new|truth)</b>.*?</tr>', shown)
-    assert new.count(">held</span>") == 2
-    assert (truth.count("not applicable"), truth.count("contained: 9")) == (1, 1)
+    new, truth = (
+        re.sub(r"<[^>]*>", " ", row) for row in re.findall(r'<tr><td class="says"><b>(?:new|truth)</b>.*?</tr>', shown)
+    )
+    assert re.search(r"held +in property tests, far\.csv +held +in run\.csv +contained: 9", new)
+    assert re.search(r"held +in run\.csv +contained: 9 +not applicable +in property tests, far\.csv", truth)
+    assert all(len(re.findall("<t[hd]", row)) <= 4 for row in re.findall(r"<tr><td class=\"says\">.*?</tr>", shown))
+
+
+def test_of_many_runs_the_few_others_are_named() -> None:
+    """Of five runs, all, or all but one; of two, the one."""
+    rows = [
+        {"name": f"r{at}: {name}", "kind": "replay", "method": f"replay of r{at}.csv", "verdict": "held", "notes": {}, "statement": "s"}
+        for at in range(5)
+        for name in ("everywhere", "not in 3")
+        if (at, name) != (3, "not in 3")
+    ]  # fmt: skip
+    assert {
+        "everywhere": ["all 5"],
+        "not in 3": ["all 5 but r3.csv", "r3.csv"],
+    } == {row["name"]: [one["where"] for one in row["found"]] for row in statements(rows)}
 
 
 def test_figures_of_the_configuration_have_units_and_sources() -> None:
