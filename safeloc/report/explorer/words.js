@@ -1,14 +1,16 @@
 /* A word of the glossary carries its meaning at its first use in each section: Enter, a click or a touch shows it, Escape or a click elsewhere
    takes it away. The words and their meanings are those that the page lists at its end. */
 
+const EVERYDAY = new Set(["border", "definition", "fix", "helper", "layer", "loose", "own", "part", "reset", "standing", "target", "whole"]); // also said in their common meaning
 const LISTED = [...document.querySelectorAll("#words-list dt")].map((dt) => ({
   id: dt.id,
   names: dt.querySelector("b").textContent.split(", "),
   meaning: dt.nextElementSibling.textContent,
 }));
-const byName = new Map(LISTED.flatMap((word) => word.names.map((name) => [name.toLowerCase(), word])));
+const byName = new Map(LISTED.flatMap((word) => word.names.filter((name) => !EVERYDAY.has(name)).map((name) => [name.toLowerCase(), word])));
+const inCapitals = (word) => word.names.find((name) => name.length > 1 && name === name.toUpperCase());
 const WORD = new RegExp(`\\b(${[...byName.keys()].sort((one, other) => other.length - one.length).map((name) => name.replace(/[^\w ]/g, "\\$&")).join("|")})(?:s|es)?\\b`, "gi");
-const SAID = "p, th, li, summary, figcaption, td.says"; // where sentences stand
+const SAID = "p, th, li, figcaption, td.says"; // where sentences stand
 const UNSAID = "a, button, code, pre, svg, label, select, dl, #overview, .explained"; // names and code explain nothing
 const explainedIn = new Map(); // heading or section -> ids of the words that were explained there
 
@@ -39,7 +41,7 @@ function explainText(text) {
   const known = explainedIn.get(group);
   for (const found of text.data.matchAll(WORD)) {
     const word = byName.get(found[1].toLowerCase());
-    if (known.has(word.id)) continue;
+    if (known.has(word.id) || (inCapitals(word) && found[1] !== inCapitals(word))) continue;
     known.add(word.id);
     const rest = text.splitText(found.index);
     rest.splitText(found[0].length);
