@@ -74,18 +74,23 @@ def figures(law: _Data, machine: _Data, part: _Data) -> list[str]:
     If several parts of the configuration have a figure of the name, that of the part's own; of several with other values, each with its place.
     """
     every, section = [_figure(one) for one in machine["figures"]], part.get("section", part["name"])
-    return [_in_words(name, figures_named(name, section, every)) for name in law["figures"]]
+    return [_in_words(name, figures_named(name, section, every), section) for name in law["figures"]]
 
 
-def _in_words(name: str, found: Sequence[Figure]) -> str:
+def _in_words(name: str, found: Sequence[Figure], section: str) -> str:
     """Return a figure with its value; where it has several, the places in the configuration of each of them."""
     places: dict[str, list[str]] = {}
     for one in found:
         value = f"{one.value} {one.unit}".strip() + (f" {FROM_MEMORY}" if one.to_confirm else "")
-        places.setdefault(value, []).append(one.name.removesuffix(name).rstrip("."))
+        places.setdefault(value, []).append(_within(one.name.removesuffix(name).rstrip("."), section))
     if len(places) > 1:
         return f"{name} = " + " or ".join(f"{value} ({', '.join(at)})" for value, at in places.items())
     return f"{name} = {next(iter(places))}" if places else name
+
+
+def _within(place: str, section: str) -> str:
+    """Return a place in a section of the configuration, so that it is the same wherever the section stands; the whole place elsewhere."""
+    return place.partition(f"{section}.")[2] if f".{section}." in f".{place}" else place
 
 
 def _needed_by(machine: _Data, law: _Data) -> list[str]:
