@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Collection, Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from os.path import commonprefix
 from typing import Any
 from urllib.parse import urlencode
 
@@ -16,6 +18,11 @@ _OF_PARTS = ("transition", "law")
 """What is declared in a part, and is shown under the first target that has the part."""
 _PART = re.compile(r"#\d+")
 """The name of a part of a term that the model does not name."""
+
+
+def _beginning(texts: Sequence[str]) -> str:
+    """Return what tells the certificates of a claim from others in their file: their name, or what their names begin with."""
+    return texts[0] if len(texts) == 1 else f"{commonprefix(list(texts))}*"
 
 
 def anchor(*words: str) -> str:
@@ -39,6 +46,7 @@ class Links:
         self._files = files
         self._runs: Mapping[str, int] = data.get("runs", {})
         self._certified = set(data.get("certificates", {}))
+        self._users = Counter(text for row in data["results"] for text in row["certificates"])
         self._file_of = {text: file for file, texts in data.get("certificates", {}).items() for text in texts}
         self._rows = {row["id"]: number for number, row in enumerate(data["results"])}
         self._places = {
@@ -64,14 +72,18 @@ class Links:
         }
 
     def _certificates(self, row: _Data) -> list[tuple[str, str]]:
-        """Return address and words for the file with the certificates of a result alone, if it has any."""
-        files = dict.fromkeys(self._file_of[text] for text in row["certificates"] if text in self._file_of)
-        return [
-            (one, "certificate") for file in files if (one := f"{CERTIFICATES}/{file}") != self.shared(row["machine"])
-        ]
+        """Return the file with the certificates of a result, and the beginning of the names of those that it alone has, if it has any.
 
-    def shared(self, machine: str) -> str:
-        """Return the file with the certificates that several results of a machine share; nothing if there is none."""
+        Reports of earlier versions have a file for each claim.
+        """
+        own: dict[str, list[str]] = {}
+        for text in row["certificates"]:
+            if self._users[text] == 1 and text in self._file_of:
+                own.setdefault(f"{CERTIFICATES}/{self._file_of[text]}", []).append(text)
+        return [(file, f"certificates {_beginning(texts)}") for file, texts in own.items()]
+
+    def packed(self, machine: str) -> str:
+        """Return the file with the certificates of a machine; nothing if there is none."""
         file = f"{self._files[machine]}.tar.xz"
         return f"{CERTIFICATES}/{file}" if file in self._certified else ""
 

@@ -236,7 +236,7 @@ def _machine(
             for number, part in enumerate(machine["parts"])
         ],
         "sources": links.sources(machine, elsewhere),
-        "shared": links.shared(machine["name"]),
+        "packed": links.packed(machine["name"]),
         "needs": needs(machine),
     }
 

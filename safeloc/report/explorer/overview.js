@@ -95,7 +95,7 @@ function leads(one) {
   const links = [];
   const to = (href, words, part) => links.push(element("a", { href, "data-in": part ?? null }, words));
   if (one.id) to(`${overview.run}#${new URLSearchParams({ result: one.id })}`, one.steps === 1 ? "run of 1 step" : `run of ${one.steps} steps`);
-  for (const file of one.certificates) to(file, file.split("/").at(-1));
+  for (const [file, words] of one.certificates) to(file, words);
   if (one.source) to(`#${one.source}`, one.declared, overview.parts[one.machine]);
   else if (one.declared) links.push(element("span", {}, one.declared));
   for (const id of one.requirements) to(`#${id}`, id);
