@@ -161,7 +161,9 @@ def figures_to_confirm(targets: Iterable[Target]) -> list[ToConfirm]:
     return to_confirm((target.name, one) for target in targets for one in configured_figures(target.config))
 
 
-def _of_machine(machine: Machine, section: str, every: Sequence[Figure], guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
+def _of_machine(
+    machine: Machine, section: str, every: Sequence[Figure], guaranteed: tuple[str, ...]
+) -> Iterator[Assumption]:
     for name, law in machine.world.laws.items():
         yield Assumption(
             "",

@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
-from textual.content import Content
 from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
 from textual.widgets import DataTable, Footer, Input, Static
 
 from safeloc.cli.step_lines import (
@@ -242,7 +242,9 @@ class StepWindow(App[None]):
         _fill(self.query_one("#inputs", DataTable), self._input_rows())
         _fill(self.query_one("#values", DataTable), self._value_rows())
         rows = [row for row in self.stepper.rows() if self._word in row.machine + row.name]
-        lines = [line for row in sorted(rows, key=lambda row: (not row.fires, not row.enabled)) for line in row_lines(row)]
+        lines = [
+            line for row in sorted(rows, key=lambda row: (not row.fires, not row.enabled)) for line in row_lines(row)
+        ]
         styled = [Text(line, _STYLES.get(line.split(" ", 1)[0], "")) for line in lines]
         self.query_one("#rows", Static).update(Text("\n").join(styled))
 

@@ -23,7 +23,9 @@ def conditions(machines: Sequence[_Data]) -> dict[str, list[dict[str, Any]]]:
     for machine, part, law in _laws(machines):
         named = figures(law, machine, part)
         key = json.dumps([law["id"], law["name"], law["terms"], law["parts"], named])
-        one = laws.setdefault(key, {**law, **_to_confirm(law, named), "part": part["name"], "targets": [], "needed_by": [], "seen": {}})
+        one = laws.setdefault(
+            key, {**law, **_to_confirm(law, named), "part": part["name"], "targets": [], "needed_by": [], "seen": {}}
+        )
         one["targets"].append(machine["name"])
         one["needed_by"] += _needed_by(machine, law)
         one["seen"].setdefault(law["observable"], []).append(machine["name"])

@@ -6,7 +6,7 @@ import re
 import shlex
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from os.path import commonprefix
+from itertools import takewhile
 from typing import Any
 from urllib.parse import urlencode
 
@@ -22,7 +22,8 @@ _PART = re.compile(r"#\d+")
 
 def _beginning(texts: Sequence[str]) -> str:
     """Return what tells the certificates of a claim from others in their file: their name, or what their names begin with."""
-    return texts[0] if len(texts) == 1 else f"{commonprefix(list(texts))}*"
+    same = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    return texts[0] if len(texts) == 1 else "".join(letters[0] for letters in same) + "*"
 
 
 def anchor(*words: str) -> str:
@@ -111,5 +112,8 @@ class Links:
         lines = [{**one, "at": anchor("source", name, str(number))} for number, one in enumerate(machine["declared"])]
         shown = [one for one in lines if not all(of[0] in _OF_PARTS and of[1] in elsewhere for of in one["of"])]
         lines = [one for one in shown if one["text"]]  # a file that could not be read has none, and no link leads there
-        places = {kind: {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == kind} for kind in _OF_PARTS}
+        places = {
+            kind: {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == kind}
+            for kind in _OF_PARTS
+        }
         return {"lines": lines, "transitions": places["transition"], "laws": places["law"]}

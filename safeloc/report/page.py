@@ -22,6 +22,7 @@ from safeloc.language.verdict import SHOWN
 from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
+from safeloc.report.first_steps import first_steps
 from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.held_in import recordings, statements
@@ -119,6 +120,7 @@ class _Rendering:
             "resting": counts(self._conditions),
             "claim_rows": self._claim_rows(),
             "words": words_in(self._said()),
+            "first": first_steps(data, links),
         }
 
     def page(self, **more: Any) -> str:
@@ -145,9 +147,19 @@ class _Rendering:
         given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
         return self._filled("run_page", **given) if first else ""
 
-    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS, conditions_at: str = "") -> Markup:
+    def _overview(
+        self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS, conditions_at: str = ""
+    ) -> Markup:
         """Return where the search finds its data, the view of runs, the part of each machine, and that of the conditions."""
-        return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts), "conditions": conditions_at})
+        return island(
+            {
+                "made": made,
+                "results": f"{PARTS}/{RESULTS}",
+                "run": run,
+                "parts": dict(parts),
+                "conditions": conditions_at,
+            }
+        )
 
     def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
@@ -194,7 +206,9 @@ class _Rendering:
 def _with_sources(found: Mapping[str, list[dict[str, Any]]], machines: Sequence[_Data], links: Links) -> dict[str, Any]:
     """Return the conditions with the place of the source lines of each law, as the page of its first machine has them."""
     places = {machine["name"]: links.sources(machine, ())["laws"] for machine in machines}
-    laws = [{**law, "source_at": places[law["targets"][0]].get((law["part"], law["name"]), "")} for law in found["laws"]]
+    laws = [
+        {**law, "source_at": places[law["targets"][0]].get((law["part"], law["name"]), "")} for law in found["laws"]
+    ]
     return {**found, "laws": laws}
 
 

@@ -12,8 +12,8 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import DataTable, Input, Static
 
-from safeloc.cli import step as command
 from safeloc.catalogue import load_target
+from safeloc.cli import step as command
 from safeloc.cli.step_window import StepWindow, _cut
 from safeloc.explain.stepping import Stepper
 from safeloc.language.expr import boolean, choice, enumeration, members, number, optional

@@ -82,7 +82,10 @@ def test_no_figure_of_a_source_is_ambiguous(name: str) -> None:
         if " or " in words
     }
     places = re.findall(r"\(([^)]*)\)", " ".join(several))
-    assert all(set(place.split(".")[-1] for place in one.split(", ")) <= {"odometer", "check", "first_unit", "second_unit"} for one in places)
+    assert all(
+        {place.split(".")[-1] for place in one.split(", ")} <= {"odometer", "check", "first_unit", "second_unit"}
+        for one in places
+    )
 
 
 def core(claim: str, *elements: tuple[str, str], why_none: str = "") -> dict[str, Any]:

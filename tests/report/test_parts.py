@@ -51,14 +51,16 @@ def test_nothing_is_lost() -> None:
     for text in html.values():
         assert text.strip() in whole
         assert text.strip() not in page
-    left = re.sub(r'<details class="part" data-part="page/([a-z-]+\.js)"[^>]*>.*?</details>', lambda m: html[m[1]], page)
+    left = re.sub(
+        r'<details class="part" data-part="page/([a-z-]+\.js)"[^>]*>.*?</details>', lambda m: html[m[1]], page
+    )
     assert words(left) == words(whole)
 
 
 def words(page: str) -> list[str]:
     """The text of a page without markup, scripts, and what speaks of parts."""
     page = re.sub(
-        r"<(script|style|noscript|search)\b.*?</\1>|<p><button.*?</p>|<button class=.print-one.*?</button>",
+        r"<(script|style|noscript|search|nav)\b.*?</\1>|<p><button.*?</p>|<button class=.print-one.*?</button>",
         "",
         page,
         flags=re.DOTALL,

@@ -27,7 +27,9 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report of two machines in parts, one of them with many recordings."""
     most, page_module.MOST_OF_ONE_PAGE = page_module.MOST_OF_ONE_PAGE, 0
     try:
-        return write_folder(tmp_path_factory.mktemp("report"), [*findings(), *replays()], [door(), load_target("odometry")])
+        return write_folder(
+            tmp_path_factory.mktemp("report"), [*findings(), *replays()], [door(), load_target("odometry")]
+        )
     finally:
         page_module.MOST_OF_ONE_PAGE = most
 
@@ -70,7 +72,9 @@ def test_an_address_opens_its_part(page: Page, report: Path, place: str, part: s
     page.open(report, place)
     page.until("document.querySelector('[data-shown]')")
     assert [part] == shown(page)
-    page.until("(box => box && box.top > -2 && box.top < innerHeight)(document.getElementById(location.hash.slice(1))?.getBoundingClientRect())")
+    page.until(
+        "(box => box && box.top > -2 && box.top < innerHeight)(document.getElementById(location.hash.slice(1))?.getBoundingClientRect())"
+    )
     assert [] == page.said()
 
 
@@ -105,7 +109,9 @@ def test_the_conditions_are_printed_alone(page: Page, report: Path) -> None:
     try:
         assert page.js("document.querySelector('table.conditions').offsetParent !== null")
         assert page.js("document.querySelector('.of-one-part').offsetParent !== null")
-        assert page.js("[...document.querySelectorAll('section[data-machine]')].every(one => one.offsetParent === null)")
+        assert page.js(
+            "[...document.querySelectorAll('section[data-machine]')].every(one => one.offsetParent === null)"
+        )
     finally:
         on_paper(page, False)
 
@@ -116,7 +122,9 @@ def test_steps_on_paper_have_their_numbers(page: Page, report: Path) -> None:
     opened(page, report.with_name("run.html"), f"#{place}")
     on_paper(page, True)
     try:
-        assert page.js("[...document.querySelectorAll('#run-steps [data-step] button')].every(one => one.offsetParent !== null)")
+        assert page.js(
+            "[...document.querySelectorAll('#run-steps [data-step] button')].every(one => one.offsetParent !== null)"
+        )
     finally:
         on_paper(page, False)
 

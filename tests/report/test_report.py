@@ -25,11 +25,11 @@ from safeloc.language.monitor import check_all
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, word
 from safeloc.proof.results import Finding
 from safeloc.report.certificates import read_archives
-from safeloc.report.held_in import statements
 from safeloc.report.data import report_data, schema
 from safeloc.report.extract import extract
 from safeloc.report.file_names import file_names
 from safeloc.report.folder import render_folder, write_folder
+from safeloc.report.held_in import statements
 from safeloc.report.junit import to_junit
 from safeloc.report.page import to_html
 from safeloc.report.plot import line_chart
@@ -159,7 +159,7 @@ def test_how_strongly_a_requirement_is_shown() -> None:
 
 def test_page_shows_the_violated_run(page: str) -> None:
     """Each step of the run that breaks the statement is a row: number, transition, inputs and what changed."""
-    shown = page[page.index("<h2>Violated</h2>") : page.index("<h2>Undecided</h2>")]
+    shown = page[page.index("Violated</h2>") : page.index("Undecided</h2>")]
     assert "lamp/property/wears &amp; tears" in shown
     rows = re.findall(
         r"<tr><td class=\"n\">(\d+)</td><td>(.*?)</td><td><code>(.*?)</code></td>.*?<code>(.*?)</code>", shown
@@ -172,7 +172,7 @@ def test_page_shows_the_violated_run(page: str) -> None:
 
 def test_page_shows_what_is_undecided(page: str) -> None:
     """An undecided statement stands with its reason and how far it was looked at."""
-    shown = page[page.index("<h2>Undecided</h2>") : page.index('<h2 id="lamp"')]
+    shown = page[page.index("Undecided</h2>") : page.index('<h2 id="lamp"')]
     assert "no &lt;i&gt;time&lt;/i&gt;" in shown
     assert '<td class="n">4</td>' in shown
 
@@ -242,7 +242,9 @@ def test_statements_say_where_they_held() -> None:
     runs = [
         replace(base, id="lamp/test/new", kind="test", method="Hypothesis"),
         replace(base, id="lamp/replay/run: new", kind="replay", method="replay of run.csv"),
-        replace(base, id="lamp/replay/far: new", kind="replay", method="replay of far.csv", result=Held("r", 1, 20, {})),
+        replace(
+            base, id="lamp/replay/far: new", kind="replay", method="replay of far.csv", result=Held("r", 1, 20, {})
+        ),
         replace(base, id="lamp/replay/run: truth", kind="replay", method="replay of run.csv"),
     ]
     shown = to_html(report_data(runs, [target()]))
@@ -329,7 +331,7 @@ def test_a_long_run_is_folded_but_for_its_end() -> None:
     trace["steps"] = trace["steps"] * 20
     page = to_html(data)
     assert "<summary>the 41 rows before</summary>" in page
-    shown = page[page.index("<h2>Violated</h2>") : page.index('<h2 id="lamp"')]
+    shown = page[page.index("Violated</h2>") : page.index('<h2 id="lamp"')]
     assert shown.count('<tr><td class="n">') == 61
 
 
