@@ -17,6 +17,7 @@ SafelocError
 from __future__ import annotations
 
 import sys
+from types import FrameType
 
 _USER_PACKAGES = ("safeloc.models", "safeloc.properties")
 
@@ -73,10 +74,39 @@ class NotProvedError(SafelocError, AssertionError):
 
 def declared_at() -> str:
     """Return `file:line` of the nearest caller outside of the engine: the place that the user has to correct."""
-    frame = sys._getframe(1)
-    while frame.f_back is not None and is_engine(frame.f_globals.get("__name__", "")):
+    frame = _outside(sys._getframe(1))
+    return f"{frame.f_code.co_filename}:{frame.f_lineno}"
+
+
+def named_at() -> str:
+    """Return `file:line` on which the name of a declaration is written, called while the declaration is made.
+
+    A function that only passes the name on, as `claim(name, term)` that calls `always(name, term, ...)`, is not that place: its caller is.
+    """
+    made = sys._getframe(1)
+    name = made.f_locals.get("name")
+    frame = _outside(made)
+    while frame.f_back is not None and _is_handed(name, frame) and not _in_engine(frame.f_back):
         frame = frame.f_back
     return f"{frame.f_code.co_filename}:{frame.f_lineno}"
+
+
+def _outside(frame: FrameType) -> FrameType:
+    """Return the nearest frame outside of the engine."""
+    while frame.f_back is not None and _in_engine(frame):
+        frame = frame.f_back
+    return frame
+
+
+def _in_engine(frame: FrameType) -> bool:
+    return is_engine(frame.f_globals.get("__name__", ""))
+
+
+def _is_handed(name: object, frame: FrameType) -> bool:
+    """Return whether a function got the name as an argument."""
+    code = frame.f_code
+    given = (frame.f_locals.get(one) for one in code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
+    return any(isinstance(one, str) and one == name for one in given)
 
 
 def is_engine(module: str) -> bool:

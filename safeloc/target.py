@@ -50,6 +50,8 @@ class Target:
     witnesses file of short runs to events that a search would otherwise have to find (safeloc.proof.verification.witness_files)
     configuration  name of the declared configuration in which it was made; nothing for the defaults
     config_file    file of its configuration, if it was made with one
+    sections  of a composition: the part of the configuration with the figures of a machine, by the machine's name, where it has another
+              name; laws name figures of that part
     members   of a composition: the properties of each machine alone, in its own variables, by the machine's name
     """
 
@@ -73,6 +75,7 @@ class Target:
     configuration: str = ""
     config_file: Path | None = None
     members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
+    sections: Mapping[str, str] = field(default_factory=dict)
 
 
 class Family(Enum):

@@ -8,7 +8,9 @@ import pytest
 
 from safeloc import errors
 from safeloc.errors import ModelError, SafelocError, UnitError, declared_at
-from safeloc.language.expr import number
+from safeloc.language.expr import Bool, boolean, members, number
+from safeloc.language.machine import Transition
+from safeloc.language.spec import Property, always
 from safeloc.language.units import MM, MS
 
 
@@ -66,3 +68,32 @@ def test_ranges_are_refused_with_their_place(low: int, high: int) -> None:
     """An empty range and one beyond 64 bits: name, range and file."""
     with pytest.raises(ModelError, match=r"test_errors\.py:\d+: range of 'x' is .* must be non-empty and fit 64 bits"):
         number("x", MM, low, high)
+
+
+def _handed(name: str, term: Bool) -> Property:
+    """Pass the name on, as a helper of a file of properties does."""
+    return always(name, term)
+
+
+def test_a_declaration_is_where_its_name_is_written() -> None:
+    """Not in a function that gets the name, through however many of them; a function that makes the name is that place."""
+    lit = boolean("lit")
+
+    def twice(name: str) -> Property:
+        return _handed(name, lit)
+
+    def made(end: str) -> Property:
+        return always(f"{end} is lit", lit)
+
+    here = int(declared_at().rpartition(":")[2])
+    one, two, three, four = _handed("a", lit), twice("b"), always("c", lit), made("d")
+    row = transition(name="t")
+    assert [here + 1] * 3 == [int(one.src.rpartition(":")[2]) for one in (one, two, three)]
+    assert here - 2 == int(four.src.rpartition(":")[2])
+    assert here + 2 == int(row.src.rpartition(":")[2])
+
+
+def transition(name: str) -> Transition:
+    """Make a row of a table."""
+    mode = members("mode", "ON", "OFF")
+    return Transition(name, mode[0], mode[1])

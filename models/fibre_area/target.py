@@ -29,7 +29,8 @@ def target(config: FibreAreaConfig) -> Target:
     properties, system = tuple(claims.properties(model)), model.composition.system
     pictures = (area_picture(config.sections.sections),)
     return Target(
-        "fibre_area", system.machines, system, properties, config, DOC, recorded("fibre_area"), REPORTED, pictures=pictures
+        "fibre_area", system.machines, system, properties, config, DOC, recorded("fibre_area"), REPORTED, pictures=pictures,
+        sections={"front": "fibre", "rear": "fibre", "report": "area"},
     )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
     refusals = [Refusals("odometer", "motion.measured", ("ADMITTED",))]
     refusals += [one for name in used for one in _REFUSALS[name]]
     return Sources(
-        "Sources over time",
+        "Interval of each source, and the one passed on, around the true front end over time",
         config.motion.period_ms,
         PASSED_ON,
         "arbitration.lead",

@@ -38,6 +38,8 @@ DOC = (
     "All ways of locating of one vehicle in one step: what those that state a position have in common, led by the one with "
     "the smallest margin; nothing where they exclude each other; and what the trackside sees of it."
 )
+SECTIONS = {"selection": "satellite", "position": "satellite", "verification": "fibre"}
+"""Machines whose figures stand in the configuration of the source that they belong to."""
 
 
 def target(config: LocalizerConfig) -> Target:
@@ -50,7 +52,7 @@ def localized(model: localizer.Localizer, config: LocalizerConfig) -> Target:
     properties, system = tuple(claims.properties(model)), model.composition.system
     return Target(
         "localizer", model.machines, system, properties, config, DOC, recorded("localizer"), PASSED_ON,
-        partial(_simulated, config), (picture(config, _says),), members=properties_of_machines(model),
+        partial(_simulated, config), (picture(config, _says),), members=properties_of_machines(model), sections=SECTIONS,
     )  # fmt: skip
 
 

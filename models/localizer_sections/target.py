@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from safeloc.models import localizer_sections
 from safeloc.models.localizer.picture import PASSED_ON, picture
-from safeloc.models.localizer.target import properties_of_machines
+from safeloc.models.localizer.target import SECTIONS, properties_of_machines
 from safeloc.models.localizer_sections import NAME, LocalizerSectionsConfig
 from safeloc.models.localizer_sections.configurations import CONFIGURATIONS
 from safeloc.properties import localizer_sections as claims
@@ -23,6 +23,7 @@ def target(config: LocalizerSectionsConfig) -> Target:
     return Target(
         NAME, system.machines, system, properties, config, DOC, recorded(NAME), PASSED_ON,
         pictures=(picture(config.localizer, _says),), members=properties_of_machines(model.localizer),
+        sections={**SECTIONS, "ends": "train", "far_uplink": "uplink"},
     )  # fmt: skip
 
 

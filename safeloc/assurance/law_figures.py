@@ -64,9 +64,16 @@ def configured_figures(config: BaseModel | None) -> list[Figure]:
     return [] if config is None else [Figure(**one) for one in figures(config)]
 
 
-def figures_of(law: Law, machine: str, every: Sequence[Figure]) -> Iterator[Figure]:
-    """Yield the figures that the law names out of every configured one; if several parts have one of that name, that of the machine."""
+def figures_of(law: Law, section: str, every: Sequence[Figure]) -> Iterator[Figure]:
+    """Yield the figures that the law names out of every configured one.
+
+    section  the part of the configuration that is the machine's, often of its name
+    """
     for name in law.figures:
-        found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
-        of_machine = [one for one in found if machine in one.name.split(".")]
-        yield from of_machine or found or [Figure(name, "", "", "not found in the configuration")]
+        yield from figures_named(name, section, every) or [Figure(name, "", "", "not found in the configuration")]
+
+
+def figures_named(name: str, section: str, every: Sequence[Figure]) -> list[Figure]:
+    """Return the figures of a name; if several parts of the configuration have one, those of the section."""
+    found = [one for one in every if one.name == name or one.name.endswith(f".{name}")]
+    return [one for one in found if section in one.name.split(".")] or found

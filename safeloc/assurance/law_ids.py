@@ -40,7 +40,7 @@ def _ids_of_machine(target: Target, machine: Machine) -> dict[str, str]:
     elsewhere = [_known(name) for name in _others_with(machine.name, target)]
     if not elsewhere:
         return own
-    said = _said(machine, configured_figures(target.config))
+    said = _said(target, machine, configured_figures(target.config))
     return {name: next((one[said[name]] for one in elsewhere if said[name] in one), id_) for name, id_ in own.items()}
 
 
@@ -70,15 +70,16 @@ def _known(name: str) -> dict[_Said, str]:
     known: dict[_Said, str] = {}
     for machine in target.machines:
         ids = _ids_by_order(target, machine)
-        known |= {said: ids[law] for law, said in _said(machine, every).items()}
+        known |= {said: ids[law] for law, said in _said(target, machine, every).items()}
     return known
 
 
-def _said(machine: Machine, every: Sequence[Figure]) -> Mapping[str, _Said]:
+def _said(target: Target, machine: Machine, every: Sequence[Figure]) -> Mapping[str, _Said]:
     """Return all that each law of a machine says, with its figures out of every configured one."""
-    return {name: (machine.name, name, *_words(law, machine, every)) for name, law in machine.world.laws.items()}
+    section = target.sections.get(machine.name, machine.name)
+    return {name: (machine.name, name, *_words(law, section, every)) for name, law in machine.world.laws.items()}
 
 
-def _words(law: Law, machine: Machine, every: Sequence[Figure]) -> _Said:
-    figures = [(one.value, one.unit, one.source) for one in figures_of(law, machine.name, every)]
+def _words(law: Law, section: str, every: Sequence[Figure]) -> _Said:
+    figures = [(one.value, one.unit, one.source) for one in figures_of(law, section, every)]
     return law.statement, term_digest(law.term), law.figures, *figures, law.source, law.owner, law.check

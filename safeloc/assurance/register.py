@@ -72,7 +72,9 @@ def register(target: Target) -> list[Assumption]:
     return [
         replace(one, id=ids[ClauseId(machine.name, one.name)], **observed[machine, one.name])
         for machine in target.machines
-        for one in _of_machine(machine, figures, guaranteed.get(machine, ()))
+        for one in _of_machine(
+            machine, target.sections.get(machine.name, machine.name), figures, guaranteed.get(machine, ())
+        )
     ]
 
 
@@ -159,7 +161,9 @@ def figures_to_confirm(targets: Iterable[Target]) -> list[ToConfirm]:
     return to_confirm((target.name, one) for target in targets for one in configured_figures(target.config))
 
 
-def _of_machine(machine: Machine, every: Sequence[Figure], guaranteed: tuple[str, ...]) -> Iterator[Assumption]:
+def _of_machine(
+    machine: Machine, section: str, every: Sequence[Figure], guaranteed: tuple[str, ...]
+) -> Iterator[Assumption]:
     for name, law in machine.world.laws.items():
         yield Assumption(
             "",
@@ -167,7 +171,7 @@ def _of_machine(machine: Machine, every: Sequence[Figure], guaranteed: tuple[str
             name,
             law.statement,
             text(law.term),
-            tuple(figures_of(law, machine.name, every)),
+            tuple(figures_of(law, section, every)),
             law.source,
             law.owner,
             law.check,

@@ -13,6 +13,7 @@ from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
 from textual.widgets import DataTable, Footer, Input, Static
 
 from safeloc.cli.step_lines import (
@@ -31,7 +32,14 @@ from safeloc.language.expr import NumVar, Var
 from safeloc.language.units import Enumeration
 
 _HELP = "set NAME=VALUE ...   hold NAME=VALUE ...   release NAME ...   step N   back N   watch NAME ...   filter WORD   broken   save FILE   quit"
+_SHORT_HELP = "set NAME=VALUE  step N  back N  watch NAME  filter WORD  save FILE  help"
 _STYLES = {"fires": "bold green", "enabled": "green", "refused": "dim"}
+
+
+_AROUND = 6
+"""Columns beside name and value: a space on either side of each, and the scroll bar."""
+_LEAST = 12
+"""Least letters of a name."""
 
 
 class StepWindow(App[None]):
@@ -45,7 +53,15 @@ class StepWindow(App[None]):
     #values { width: 35%; border: round $primary; }
     #transitions { width: 32%; border: round $primary; padding: 0 1; }
     #told { padding: 0 1; max-height: 8; }
+    .-narrow #tables { layout: grid; grid-size: 2 2; grid-rows: 3fr 2fr; }
+    .-narrow #inputs, .-narrow #values, .-narrow #transitions { width: 100%; height: 100%; }
+    .-narrow #transitions { column-span: 2; }
+    .-narrow DataTable, .-narrow #transitions { scrollbar-size-vertical: 1; }
+    .-short #line { border: none; height: 1; padding: 0 1; background: $panel; }
+    .-short #told { max-height: 3; }
     """
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-wide")]  # noqa: RUF012  # Textual declares it without ClassVar
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (30, "-tall")]  # noqa: RUF012  # as above
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("n", "take", "step"),
         Binding("b", "undo", "undo"),
@@ -87,13 +103,17 @@ class StepWindow(App[None]):
                 scroll.border_title = "transitions of this mode"
                 yield Static(id="rows")
         yield Static(id="told")
-        yield Input(id="line", placeholder=_HELP, select_on_focus=False)
+        yield Input(id="line", placeholder=_SHORT_HELP, select_on_focus=False)
         yield Footer()
 
     def on_mount(self) -> None:
         """Show the first state."""
         self._show()
         self.query_one("#inputs", DataTable).focus()
+
+    def on_resize(self) -> None:
+        """Cut names to the room that they have now."""
+        self.call_after_refresh(self._show)
 
     # -------------------------------------------------------------- keys and the line
 
@@ -123,6 +143,10 @@ class StepWindow(App[None]):
         """Leave the line."""
         self.query_one("#line", Input).value = ""
         self.query_one("#inputs", DataTable).focus()
+
+    def on_data_table_row_highlighted(self, event: DataTable.RowHighlighted) -> None:
+        """Say the whole name of the chosen row below its table, where it may be cut."""
+        event.data_table.border_subtitle = Content(str(event.row_key.value or ""))
 
     def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
         """Change the chosen input: a truth value at once, another one in the line."""
@@ -217,7 +241,10 @@ class StepWindow(App[None]):
         self.query_one("#head", Static).update(self._head())
         _fill(self.query_one("#inputs", DataTable), self._input_rows())
         _fill(self.query_one("#values", DataTable), self._value_rows())
-        lines = [line for row in self.stepper.rows() if self._word in row.machine + row.name for line in row_lines(row)]
+        rows = [row for row in self.stepper.rows() if self._word in row.machine + row.name]
+        lines = [
+            line for row in sorted(rows, key=lambda row: (not row.fires, not row.enabled)) for line in row_lines(row)
+        ]
         styled = [Text(line, _STYLES.get(line.split(" ", 1)[0], "")) for line in lines]
         self.query_one("#rows", Static).update(Text("\n").join(styled))
 
@@ -267,13 +294,23 @@ def _table(name: str, title: str, columns: tuple[str, ...]) -> DataTable[Text]:
 
 
 def _fill(table: DataTable[Any], rows: Iterable[tuple[str, ...]]) -> None:
-    """Show other rows, and stay at the same one; the first cell is the row's key."""
+    """Show other rows, and stay at the same one; the first cell is the row's key, cut to what leaves room for the second."""
     row, scroll = table.cursor_row, table.scroll_y
     table.clear()
-    for cells in rows:
-        table.add_row(*map(Text, cells), key=cells[0])
+    cells = list(rows)
+    room = table.size.width - max((len(one[1]) for one in cells), default=0) - _AROUND
+    for name, *others in cells:
+        table.add_row(Text(_cut(name, room)), *map(Text, others), key=name)
     table.move_cursor(row=row, scroll=False)
     table.scroll_to(y=scroll, animate=False)
+
+
+def _cut(name: str, room: int) -> str:
+    """Return a name that leaves room for the value beside it: its beginning and its end, which tell most names apart."""
+    if len(name) <= max(room, _LEAST):
+        return name
+    kept = max(room, _LEAST) - 1
+    return f"{name[: kept // 3]}\N{HORIZONTAL ELLIPSIS}{name[kept // 3 - kept :]}"
 
 
 def _range(var: Var) -> str:

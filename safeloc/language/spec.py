@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from safeloc.errors import PropertyError, declared_at
+from safeloc.errors import PropertyError, named_at
 from safeloc.language.checks.properties import Reading, check_property, check_reading, check_watching
 from safeloc.language.checks.system import check_system
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, Num, NumVar, Var, all_of, as_num, before_step, ite
@@ -66,7 +66,7 @@ class Property:
     helper: Callable[[NumVar], Bool] | None = None
     unconditional: bool = False
     kept_by: tuple[Machine, Property] | None = None
-    src: str = field(default_factory=declared_at)
+    src: str = field(default_factory=named_at)
 
     def __post_init__(self) -> None:
         check_property(self)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from safeloc.errors import ModelError, declared_at
+from safeloc.errors import ModelError, declared_at, named_at
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, NumVar, Var, members
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import check_keywords
@@ -31,7 +31,7 @@ class Transition:
     set: Mapping[Var, Expr | Value] = field(default_factory=dict)
     requirements: tuple[str, ...] = ()
     rank: int = 0
-    src: str = field(default_factory=declared_at)
+    src: str = field(default_factory=named_at)
 
     @property
     def sources(self) -> tuple[Lit, ...]:

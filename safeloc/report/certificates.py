@@ -1,9 +1,7 @@
-"""The packed certificates of a report folder: one file for each claim, and one for texts that several claims share.
+"""The packed certificates of a report folder: certificates/MACHINE.tar.xz has those of all claims of a machine.
 
-    certificates/CLAIM.tar.xz     texts that only this claim needs
-    certificates/MACHINE.tar.xz   texts that several claims of the machine need
-
-Each file is an ordinary archive (`tar xf FILE`) of SMT-LIB2 texts. The name of a text ends in the digest of its content, and
+Texts of one machine have most of their lines in common: packed together they are half as large as in a file for each claim, as
+reports of earlier versions have them. Each file is an ordinary archive (`tar xf FILE`) of SMT-LIB2 texts. The name of a text ends in the digest of its content, and
 its header names the texts that it relies on. report.json lists the texts of each file.
 """
 
@@ -29,8 +27,11 @@ Archives = dict[str, dict[str, str]]
 
 
 def archives(findings: Sequence[Finding]) -> Archives:
-    """Return the texts of each file; InputError if two different texts have the same name."""
-    claims: dict[str, list[Finding]] = {}
+    """Return the texts of each file, those of one claim together; InputError if two different texts have the same name.
+
+    A text that claims of several machines use is in the file of the first of them.
+    """
+    machines: dict[str, str] = {}
     texts: dict[str, str] = {}
     taken: dict[str, str] = {}
     for finding in findings:
@@ -38,14 +39,12 @@ def archives(findings: Sequence[Finding]) -> Archives:
             for name, text in finding.result.certificates.items():
                 if taken.setdefault(name.casefold(), text) != text:
                     raise InputError(f"{finding.id}: another certificate is called {name}; rename machine or property.")
-                claims.setdefault(name, []).append(finding)
+                machines.setdefault(name, finding.machine)
                 texts[name] = text
-    machines = dict.fromkeys(finding.machine for finding in findings)
-    files = file_names([*(finding.id for finding in findings), *machines])
+    files = file_names([finding.machine for finding in findings])
     found: Archives = {}
     for name in sorted(texts):
-        one, *others = dict.fromkeys((claim.id, claim.machine) for claim in claims[name])
-        found.setdefault(f"{files[one[1] if others else one[0]]}{SUFFIX}", {})[name] = texts[name]
+        found.setdefault(f"{files[machines[name]]}{SUFFIX}", {})[name] = texts[name]
     return found
 
 

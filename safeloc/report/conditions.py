@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.law_figures import FROM_MEMORY, Figure, to_confirm
+from safeloc.assurance.law_figures import FROM_MEMORY, Figure, figures_named, to_confirm
 from safeloc.assurance.register import NOBODY
 
 _Data = Mapping[str, Any]
@@ -21,9 +21,11 @@ def conditions(machines: Sequence[_Data]) -> dict[str, list[dict[str, Any]]]:
     """
     laws: dict[str, dict[str, Any]] = {}
     for machine, part, law in _laws(machines):
-        named = figures(law, machine, part["name"])
+        named = figures(law, machine, part)
         key = json.dumps([law["id"], law["name"], law["terms"], law["parts"], named])
-        one = laws.setdefault(key, {**law, **_to_confirm(law, named), "targets": [], "needed_by": [], "seen": {}})
+        one = laws.setdefault(
+            key, {**law, **_to_confirm(law, named), "part": part["name"], "targets": [], "needed_by": [], "seen": {}}
+        )
         one["targets"].append(machine["name"])
         one["needed_by"] += _needed_by(machine, law)
         one["seen"].setdefault(law["observable"], []).append(machine["name"])
@@ -68,22 +70,29 @@ def _laws(machines: Sequence[_Data]) -> Iterator[tuple[_Data, _Data, _Data]]:
             yield from ((machine, part, law) for law in part["clauses"] if not law["guaranteed"])
 
 
-def figures(law: _Data, machine: _Data, part: str) -> list[str]:
+def figures(law: _Data, machine: _Data, part: _Data) -> list[str]:
     """Return the figures that a law of a part names, each with its value and unit, and [M] if it is from memory.
 
-    If several parts of the configuration have a figure of the name, that of the part; without one of the part, all of them.
+    If several parts of the configuration have a figure of the name, that of the part's own; of several with other values, each with its place.
     """
-    found = []
-    for name in law["figures"]:
-        every = [one for one in machine["figures"] if one["name"] == name or one["name"].endswith(f".{name}")]
-        named = [one for one in every if part in one["name"].split(".")] or every
-        values = dict.fromkeys(f"{one['value']} {one['unit']}".strip() + _mark(one) for one in named)
-        found.append(f"{name} = {' or '.join(values)}" if values else name)
-    return found
+    every, section = [_figure(one) for one in machine["figures"]], part.get("section", part["name"])
+    return [_in_words(name, figures_named(name, section, every), section) for name in law["figures"]]
 
 
-def _mark(figure: _Data) -> str:
-    return f" {FROM_MEMORY}" if figure.get("source", "").startswith(FROM_MEMORY) else ""
+def _in_words(name: str, found: Sequence[Figure], section: str) -> str:
+    """Return a figure with its value; where it has several, the places in the configuration of each of them."""
+    places: dict[str, list[str]] = {}
+    for one in found:
+        value = f"{one.value} {one.unit}".strip() + (f" {FROM_MEMORY}" if one.to_confirm else "")
+        places.setdefault(value, []).append(_within(one.name.removesuffix(name).rstrip("."), section))
+    if len(places) > 1:
+        return f"{name} = " + " or ".join(f"{value} ({', '.join(at)})" for value, at in places.items())
+    return f"{name} = {next(iter(places))}" if places else name
+
+
+def _within(place: str, section: str) -> str:
+    """Return a place in a section of the configuration, so that it is the same wherever the section stands; the whole place elsewhere."""
+    return place.partition(f"{section}.")[2] if f".{section}." in f".{place}" else place
 
 
 def _needed_by(machine: _Data, law: _Data) -> list[str]:

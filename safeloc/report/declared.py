@@ -30,7 +30,7 @@ def place(src: str) -> str:
 
 
 def declarations(target: Target) -> list[dict[str, Any]]:
-    """Return each place in which transitions and properties of a target are declared, with its text and their names."""
+    """Return each place in which transitions, laws and properties of a target are declared, with its text and their names."""
     found: dict[str, dict[str, Any]] = {}
     for kind, machine, name, src in _declared(target):
         one = found.setdefault(src, {"place": place(src), "text": excerpt(src), "of": []})
@@ -41,6 +41,7 @@ def declarations(target: Target) -> list[dict[str, Any]]:
 def _declared(target: Target) -> Iterator[tuple[str, str, str, str]]:
     for machine in target.machines:
         yield from (("transition", machine.name, one.name, one.src) for one in machine.transitions)
+        yield from (("law", machine.name, name, law.src) for name, law in machine.world.laws.items() if law.src)
     yield from (("property", target.name, one.name, one.src) for one in target.properties)
 
 

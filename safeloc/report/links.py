@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Collection, Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from itertools import takewhile
 from typing import Any
 from urllib.parse import urlencode
 
@@ -12,8 +14,16 @@ from markupsafe import Markup, escape
 
 _Data = Mapping[str, Any]
 CERTIFICATES, TRACES = "certificates", "traces"
+_OF_PARTS = ("transition", "law")
+"""What is declared in a part, and is shown under the first target that has the part."""
 _PART = re.compile(r"#\d+")
 """The name of a part of a term that the model does not name."""
+
+
+def _beginning(texts: Sequence[str]) -> str:
+    """Return what tells the certificates of a claim from others in their file: their name, or what their names begin with."""
+    same = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    return texts[0] if len(texts) == 1 else "".join(letters[0] for letters in same) + "*"
 
 
 def anchor(*words: str) -> str:
@@ -37,6 +47,7 @@ class Links:
         self._files = files
         self._runs: Mapping[str, int] = data.get("runs", {})
         self._certified = set(data.get("certificates", {}))
+        self._users = Counter(text for row in data["results"] for text in row["certificates"])
         self._file_of = {text: file for file, texts in data.get("certificates", {}).items() for text in texts}
         self._rows = {row["id"]: number for number, row in enumerate(data["results"])}
         self._places = {
@@ -62,14 +73,18 @@ class Links:
         }
 
     def _certificates(self, row: _Data) -> list[tuple[str, str]]:
-        """Return address and words for the file with the certificates of a result alone, if it has any."""
-        files = dict.fromkeys(self._file_of[text] for text in row["certificates"] if text in self._file_of)
-        return [
-            (one, "certificate") for file in files if (one := f"{CERTIFICATES}/{file}") != self.shared(row["machine"])
-        ]
+        """Return the file with the certificates of a result, and the beginning of the names of those that it alone has, if it has any.
 
-    def shared(self, machine: str) -> str:
-        """Return the file with the certificates that several results of a machine share; nothing if there is none."""
+        Reports of earlier versions have a file for each claim.
+        """
+        own: dict[str, list[str]] = {}
+        for text in row["certificates"]:
+            if self._users[text] == 1 and text in self._file_of:
+                own.setdefault(f"{CERTIFICATES}/{self._file_of[text]}", []).append(text)
+        return [(file, f"certificates {_beginning(texts)}") for file, texts in own.items()]
+
+    def packed(self, machine: str) -> str:
+        """Return the file with the certificates of a machine; nothing if there is none."""
         file = f"{self._files[machine]}.tar.xz"
         return f"{CERTIFICATES}/{file}" if file in self._certified else ""
 
@@ -89,13 +104,16 @@ class Links:
         return shlex.join(["safeloc", "replay", machine["spec"], self.run_file(row), "--run", row["id"]])
 
     def sources(self, machine: _Data, elsewhere: Collection[str]) -> dict[str, Any]:
-        """Return the declarations of a target with their places on the page, and where to find each transition.
+        """Return the declarations of a target with their places on the page, and where to find each transition and law.
 
         elsewhere  parts that the page shows under another target, with their source lines
         """
         name = machine["name"]
         lines = [{**one, "at": anchor("source", name, str(number))} for number, one in enumerate(machine["declared"])]
-        shown = [one for one in lines if not all(of[0] == "transition" and of[1] in elsewhere for of in one["of"])]
+        shown = [one for one in lines if not all(of[0] in _OF_PARTS and of[1] in elsewhere for of in one["of"])]
         lines = [one for one in shown if one["text"]]  # a file that could not be read has none, and no link leads there
-        rows = {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == "transition"}
-        return {"lines": lines, "transitions": rows}
+        places = {
+            kind: {(of[1], of[2]): one["at"] for one in lines for of in one["of"] if of[0] == kind}
+            for kind in _OF_PARTS
+        }
+        return {"lines": lines, "transitions": places["transition"], "laws": places["law"]}

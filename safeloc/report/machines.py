@@ -45,7 +45,10 @@ def machine_data(target: Target) -> dict[str, Any]:
         "figures": [] if target.config is None else list(figures(target.config)),
         "reported": None if target.reported is None else asdict(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
-        "parts": [_part(machine, assumed) for machine in target.machines],
+        "parts": [
+            {"section": target.sections.get(machine.name, machine.name), **_part(machine, assumed)}
+            for machine in target.machines
+        ],
         "declared": declarations(target),
     }
 

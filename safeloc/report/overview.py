@@ -25,7 +25,7 @@ def results_script(data: _Data, links: Links, made: str) -> str:
     words = dict[str, int]()
     rows = [
         [*(words.setdefault(word, len(words)) for word in row[:8]), *row[8:]]
-        for row in (*_results(data, links), *_requirements(data), *_laws(data), *_transitions(data, links))
+        for row in (*_results(data, links), *_requirements(data), *_laws(data, links), *_transitions(data, links))
     ]
     text = json.dumps({"made": made, "words": list(words), "rows": rows}, separators=(",", ":"))
     return script(_FUNCTION, "all", data=text.encode())
@@ -40,7 +40,7 @@ def _row(
     reason: str = "",
     requirements: list[str] | None = None,
     laws: list[str] | None = None,
-    certificates: list[str] | None = None,
+    certificates: list[tuple[str, str]] | None = None,
     steps: int | None = None,
     at: str = "",
     declared: str = "",
@@ -68,7 +68,7 @@ def _results(data: _Data, links: Links) -> Iterator[_Row]:
             reason=row["reason"],
             requirements=row["requirements"],
             laws=list(needed.get(row["machine"], {}).get(name) or []),
-            certificates=[href for href, _ in to["evidence"] if not href.startswith("#")],
+            certificates=[one for one in to["evidence"] if not one[0].startswith("#")],
             steps=data.get("runs", {}).get(row["id"]),
             at=to["at"] if shown else row["machine"],
             declared=to["declared"],
@@ -85,8 +85,9 @@ def _requirements(data: _Data) -> Iterator[_Row]:
             yield _row(words, statement=one["text"], method=one["source"], at=one["id"])
 
 
-def _laws(data: _Data) -> Iterator[_Row]:
+def _laws(data: _Data, links: Links) -> Iterator[_Row]:
     for machine in data["machines"]:
+        places = links.sources(machine, ())["laws"]
         for part in machine["parts"]:
             for law in part["clauses"]:
                 yield _row(
@@ -94,6 +95,8 @@ def _laws(data: _Data) -> Iterator[_Row]:
                     statement=law["statement"],
                     method=", ".join(filter(None, [law["owner"], law["source"]])),
                     at=anchor("law", machine["name"], law["id"]),
+                    declared=law.get("declared", ""),
+                    source=places.get((part["name"], law["name"]), ""),
                 )
 
 

@@ -30,6 +30,7 @@
       try {
         box.querySelector("div").innerHTML = await unpacked(text);
         box.dataset.shown = "";
+        box.dispatchEvent(new CustomEvent("shown", { bubbles: true }));
       } catch {
         say(box, `${name} is damaged${again}.`);
       }
@@ -114,10 +115,10 @@
   const printAll = () => printed(null);
   document.getElementById("print-all").addEventListener("click", printAll);
   for (const button of document.querySelectorAll("button.print-one")) button.addEventListener("click", () => printed(button.closest("section")));
-  /* `index.html#print`, and `#print=MACHINE`, are ready for a program that prints: what is to be printed is open. */
+  /* `index.html#print`, and `#print=MACHINE` or `#print=conditions`, are ready for a program that prints: what is to be printed is open. */
   const asked = new URLSearchParams(location.hash.slice(1)).get("print");
   if (asked !== null) {
-    const section = asked && [...document.querySelectorAll("section.machine")].find(({ dataset }) => dataset.machine === asked);
+    const section = asked && [...document.querySelectorAll("[data-prints]")].find(({ dataset }) => dataset.prints === asked);
     if (asked && !section) warnOf(`this report has no machine ${asked}`);
     else prepared(section || null).then(() => (document.documentElement.dataset.printable = ""));
   }

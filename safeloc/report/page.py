@@ -11,7 +11,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -22,15 +22,16 @@ from safeloc.language.verdict import SHOWN
 from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.conditions import conditions, counts, needs
 from safeloc.report.file_names import file_names
+from safeloc.report.first_steps import first_steps
 from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
+from safeloc.report.held_in import recordings, statements
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.told import requirement_lines, told_of
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.runtime.scripts import script
-from safeloc.runtime.streams.gzipped import name_of
 
 _HERE = Path(__file__).parent
 PARTS = "page"
@@ -102,7 +103,7 @@ class _Rendering:
         self.links = links = Links(data, files)
         self._machines = [_machine(machine, results, shown, links) for machine in data["machines"]]
         self._requirements = _requirements(data, links)
-        self._conditions = conditions(data["machines"])
+        self._conditions = _with_sources(conditions(data["machines"]), data["machines"], links)
         self._data = data
         self._given: dict[str, Any] = {
             "data": data,
@@ -119,6 +120,7 @@ class _Rendering:
             "resting": counts(self._conditions),
             "claim_rows": self._claim_rows(),
             "words": words_in(self._said()),
+            "first": first_steps(data, links),
         }
 
     def page(self, **more: Any) -> str:
@@ -145,9 +147,19 @@ class _Rendering:
         given = {"data": self._data, "run": island(known), "script": script, "machines": sorted(first.items())}
         return self._filled("run_page", **given) if first else ""
 
-    def _overview(self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS) -> Markup:
-        """Return where the search finds its data, the view of runs, and the part of each machine."""
-        return island({"made": made, "results": f"{PARTS}/{RESULTS}", "run": run, "parts": dict(parts)})
+    def _overview(
+        self, made: str, *, run: str = RUN_PAGE, parts: Mapping[str, str] = _NO_PARTS, conditions_at: str = ""
+    ) -> Markup:
+        """Return where the search finds its data, the view of runs, the part of each machine, and that of the conditions."""
+        return island(
+            {
+                "made": made,
+                "results": f"{PARTS}/{RESULTS}",
+                "run": run,
+                "parts": dict(parts),
+                "conditions": conditions_at,
+            }
+        )
 
     def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
         """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
@@ -171,7 +183,7 @@ class _Rendering:
             conditions_beside=conditions_at,
             made=made,
             run_at=RUN_PAGE,
-            overview=self._overview(made, parts=beside),
+            overview=self._overview(made, parts=beside, conditions_at=conditions_at),
             script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
@@ -189,6 +201,15 @@ class _Rendering:
 
     def _filled(self, template: str, **given: Any) -> str:
         return self._environment.get_template(f"{template}.html.jinja").render(**given)
+
+
+def _with_sources(found: Mapping[str, list[dict[str, Any]]], machines: Sequence[_Data], links: Links) -> dict[str, Any]:
+    """Return the conditions with the place of the source lines of each law, as the page of its first machine has them."""
+    places = {machine["name"]: links.sources(machine, ())["laws"] for machine in machines}
+    laws = [
+        {**law, "source_at": places[law["targets"][0]].get((law["part"], law["name"]), "")} for law in found["laws"]
+    ]
+    return {**found, "laws": laws}
 
 
 def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
@@ -212,8 +233,8 @@ def _machine(
     return {
         **machine,
         "rows": [row for row in of_machine if row["kind"] == "property"],
-        "evidence": _runs_table(evidence),
-        "recordings": _recordings(evidence),
+        "recordings": recordings(evidence, lambda found: _counted(found, ("test", "replay"))),
+        "statements": statements(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
         "tests": [row for row in evidence if row["kind"] == "test"],
@@ -229,7 +250,7 @@ def _machine(
             for number, part in enumerate(machine["parts"])
         ],
         "sources": links.sources(machine, elsewhere),
-        "shared": links.shared(machine["name"]),
+        "packed": links.packed(machine["name"]),
         "needs": needs(machine),
     }
 
@@ -273,39 +294,6 @@ def _counted(rows: Sequence[_Data], kinds: Sequence[str]) -> str:
 def _named(row: _Data) -> dict[str, Any]:
     """Return the row with a short name, its verdict as it is told, and with `notes_text`, by which tests of the same runs are grouped."""
     return {**row, "name": row["id"].split("/", 2)[-1], "told": told_of(row), "notes_text": json.dumps(row["notes"])}
-
-
-def _runs_table(rows: Sequence[_Data]) -> dict[str, Any]:
-    """Return tests and replays as one table: a row for each statement, a column for the tests and for each recording."""
-    sources = list(dict.fromkeys(_source(row) for row in rows))
-    statements: dict[str, dict[str, Any]] = {}
-    for row in rows:
-        source = _source(row)
-        name = row["name"].removeprefix(f"{name_of(PurePath(source))}: ")
-        line = statements.setdefault(name, {"name": name, "statement": row["statement"], "cells": {}})
-        line["cells"][source] = row
-    steps = {source: max(row["depth"] for row in rows if _source(row) == source) for source in sources}
-    return {"sources": [(source, steps[source]) for source in sources], "rows": list(statements.values())}
-
-
-def _recordings(rows: Sequence[_Data]) -> list[dict[str, Any]]:
-    """Return a row for the tests and for each recording: steps, verdicts, and the names of what did not hold."""
-    sources: dict[str, list[_Data]] = {}
-    for row in rows:
-        sources.setdefault(_source(row), []).append(row)
-    return [
-        {
-            "source": source,
-            "steps": max(row["depth"] for row in found),
-            "found": _counted(found, ("test", "replay")),
-            "others": [row["name"] for row in found if row["verdict"] != "held"],
-        }
-        for source, found in sources.items()
-    ]
-
-
-def _source(row: _Data) -> str:
-    return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else "property tests"
 
 
 def _requirements(data: _Data, links: Links) -> dict[str, Any]:

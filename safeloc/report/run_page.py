@@ -29,7 +29,7 @@ RUN_PAGE, VIEW = "run.html", ".view.js"
 VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
 """The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
-SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions")
+SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions", "words")
 RUNS = ("runs", "charts", "interval", "strip", "diagram", "parts", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _DEFENCE = re.compile(r"(?:of the machine by itself, )?a defence: ")
@@ -167,9 +167,17 @@ def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:
         "signals": machine["signals"],
         "reported": machine["reported"],
         "tolerance_mm": tolerance if type(tolerance) is int else None,
+        "period_ms": _period_ms(machine["figures"]),
         "parts": [_part(part, machine) for part in machine["parts"]],
         "results": dict(results),
     }
+
+
+def _period_ms(figures: Sequence[_Data]) -> int | None:
+    """Return the length of a step: the configuration's own, else that of all its machines; None if there is none, or several."""
+    found = {one["name"]: one["value"] for one in figures if one["name"].split(".")[-1] == "period_ms"}
+    lengths = {found["period_ms"]} if "period_ms" in found else set(found.values())
+    return int(lengths.pop()) if len(lengths) == 1 else None
 
 
 def _part(part: _Data, machine: _Data) -> dict[str, Any]:

@@ -12,8 +12,9 @@ import pytest
 from textual.pilot import Pilot
 from textual.widgets import DataTable, Input, Static
 
+from safeloc.catalogue import load_target
 from safeloc.cli import step as command
-from safeloc.cli.step_window import StepWindow
+from safeloc.cli.step_window import StepWindow, _cut
 from safeloc.explain.stepping import Stepper
 from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
 from safeloc.language.interpret import run
@@ -241,3 +242,42 @@ def test_a_violation_is_told_at_once() -> None:
     assert "held" == {row[0]: row[2] for row in table(window, "inputs")}["extra"]
     window = driven(Stepper(pump.target(pump.TOO_MANY), {"label": 1}), line("hold extra=absent"), line("release extra"))
     assert "rest" == {row[0]: row[2] for row in table(window, "inputs")}["extra"]
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (120, 40)])
+def test_values_are_in_sight_on_a_small_screen(columns: int, rows: int) -> None:
+    """Of each shown row the value is not cut, however long its name; what fires is the first transition, and the line can be seen."""
+
+    async def look() -> tuple[list[str], list[str], int]:
+        window = StepWindow(Stepper(load_target("odometry")))
+        async with window.run_test(size=(columns, rows)) as pilot:
+            await pilot.pause()
+            await pilot.pause()
+            cut = [
+                f"{one.id}: {cells[0]} {cells[1]}"
+                for one in window.query(DataTable)
+                for cells in _cells(one)
+                if max(len(row[0]) for row in _cells(one)) + len(cells[1]) + 4 > one.size.width
+            ]
+            line = window.query_one("#line", Input).region
+            return cut, str(window.query_one("#rows", Static).content).splitlines(), line.bottom
+
+    cut, lines, bottom = asyncio.run(look())
+    assert [] == cut
+    assert lines[0].startswith("fires ")
+    assert bottom <= rows
+
+
+def test_a_cut_name_keeps_its_ends_and_stands_below_its_table() -> None:
+    """The beginning names the machine, the end the unit; the whole name of the chosen row is told."""
+    assert "odom\N{HORIZONTAL ELLIPSIS}above_mm" == _cut("odometry.margin_above_mm", 13)
+    assert "odometry.margin_above_mm" == _cut("odometry.margin_above_mm", 24)
+
+    async def chosen() -> str:
+        window = StepWindow(Stepper(load_target("odometry")))
+        async with window.run_test(size=(80, 24)) as pilot:
+            await pilot.press("down")
+            await pilot.pause()
+            return str(window.query_one("#inputs", DataTable).border_subtitle)
+
+    assert "front_radar_mm" == asyncio.run(chosen())

@@ -60,11 +60,33 @@ def test_a_figure_to_confirm_stands_once() -> None:
 
 
 def test_figures_have_their_values() -> None:
-    """Those of the law's own part; all of them where it has none and two others differ; a name that the configuration has not stands alone."""
-    made = {"figures": [{"name": "a.rate", "value": "1", "unit": "ppm"}, {"name": "b.rate", "value": "2", "unit": ""}]}
+    """Those of the part's own section; of several, each with its place; a name that the configuration has not stands alone."""
+    made = {"figures": [
+        {"name": "a.rate", "value": "1", "unit": "ppm", "source": "[M]"}, {"name": "b.rate", "value": "2", "unit": "", "source": ""},
+        {"name": "c.rate", "value": "2", "unit": "", "source": ""},
+    ]}  # fmt: skip
     law = {"figures": ["rate", "gone"]}
-    assert figures(law, made, "m") == ["rate = 1 ppm or 2", "gone"]
-    assert figures(law, made, "b") == ["rate = 2", "gone"]
+    assert ["rate = 1 ppm [M] (a) or 2 (b, c)", "gone"] == figures(law, made, {"name": "m"})
+    assert ["rate = 2", "gone"] == figures(law, made, {"name": "b"})
+    assert ["rate = 1 ppm [M]", "gone"] == figures(law, made, {"name": "m", "section": "a"})
+
+
+@pytest.mark.parametrize("name", ["localizer", "localizer_sections", "fibre_area"])
+def test_no_figure_of_a_source_is_ambiguous(name: str) -> None:
+    """Which part of the configuration a machine's figures are of is known; two units of one device alone have figures of one name."""
+    [machine] = report_data([], [load_target(name)])["machines"]
+    several = {
+        words
+        for part in machine["parts"]
+        for law in part["clauses"]
+        for words in figures(law, machine, part)
+        if " or " in words
+    }
+    places = re.findall(r"\(([^)]*)\)", " ".join(several))
+    assert all(
+        {place.split(".")[-1] for place in one.split(", ")} <= {"odometer", "check", "first_unit", "second_unit"}
+        for one in places
+    )
 
 
 def core(claim: str, *elements: tuple[str, str], why_none: str = "") -> dict[str, Any]:

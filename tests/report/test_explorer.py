@@ -123,7 +123,7 @@ def test_a_result_leads_to_its_evidence(page: Page, report: Path) -> None:
     links = page.js(
         "[...document.querySelectorAll('#overview-found .leads a')].map(a => [a.textContent, a.getAttribute('href')])"
     )
-    assert {"run of 3 steps", "door-property-good.tar.xz", "in the report"} <= {words for words, _ in links}
+    assert {"run of 3 steps", "certificates good.smt2", "in the report"} <= {words for words, _ in links}
     page.follow("run of 3 steps")
     page.until("document.getElementById('run-title')?.textContent === 'good'")
     page.until("document.getElementById('run-said').textContent !== ''")

@@ -549,3 +549,23 @@ def test_a_named_configuration_can_be_saved_as_a_test(tmp_path: Path) -> None:
             saved.write_text(content, encoding="utf-8")
             done = subprocess.run([sys.executable, "-m", "pytest", "-q", "--disable-plugin-autoload", "--rootdir", str(tmp_path), "test_saved.py"], cwd=tmp_path, capture_output=True, text=True, check=False)  # fmt: skip
             assert ("2 passed" in done.stdout) == (content == made), done.stdout
+
+
+def test_a_link_drives_a_machine(page: Page, odometry: Path) -> None:
+    """It stands where a position is valid, is ready to go on until that is withdrawn, and does so when the sensors are emptied."""
+    opened(page, odometry, "#result=odometry%2Frecording%2Fodometry-service&drive=")
+    page.until("document.getElementById('run').classList.contains('branching')")
+    valid = "[...document.querySelectorAll('#run-values tbody tr')].find(r => r.querySelector('code')?.textContent === 'valid').cells[2].textContent"
+    assert "true" == page.js(valid)
+    assert "empty its field" in page.text("#run-if-note")
+    assert ("withdrawn", "recorded") == tuple(
+        page.js(f"document.getElementById('{one}').value") for one in ("run-if-until", "run-if-how")
+    )
+    page.driver.execute_script(
+        "for (const label of document.querySelectorAll('#run-if-inputs label')) if (/_(wheel|radar)_mm$/.test(label.textContent)) {"
+        " const field = document.getElementById(label.htmlFor); field.value = ''; field.dispatchEvent(new Event('input', {bubbles: true})) }"
+    )
+    page.click("#run-if-on")
+    page.until("document.getElementById('run-if-says').textContent.includes('the position is withdrawn')")
+    assert "false" == page.js(valid)
+    assert [] == page.said()

@@ -22,6 +22,6 @@ def test_words_that_occur_are_explained() -> None:
 def test_the_page_has_its_words_and_how_to_read_it() -> None:
     """Both lead nowhere outside of the folder."""
     page = to_html(report_data(lamp.findings(), [lamp.target()]))
-    words = page.partition('<h2 id="words">')[2].partition('<h2 id="versions">')[0]
+    words = page.partition('<h2 id="words"')[2].partition('<h2 id="versions">')[0]
     assert "words that this report uses" in words and "<b>witness</b>" in words
     assert '<a href="#words">' in page and "href=" not in words

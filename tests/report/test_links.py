@@ -39,12 +39,13 @@ def test_a_result_leads_to_its_evidence(tmp_path: Path) -> None:
     """To its own certificates, to the run in the folder of traces, and to the lines that declare it; each is there."""
     page = write_folder(tmp_path, some(), [door()]).read_text(encoding="utf-8")
     rows = dict(re.findall(r'<tr id="(r\d+)">(.*?)</tr>', page, re.DOTALL))
-    own = re.findall(r'href="(certificates/[^"]*)">certificate<', rows["r0"])
-    assert [(tmp_path / file).is_file() for file in own] == [True]
-    assert own != re.findall(r'href="(certificates/[^"]*)">certificate<', rows["r1"])
+    [(file, names)] = re.findall(r'href="(certificates/[^"]*)">certificates ([^<]*)<', rows["r0"])
+    assert (tmp_path / file).is_file()
+    assert "first.smt2" == names
+    assert [(file, "second.smt2")] == re.findall(r'href="(certificates/[^"]*)">certificates ([^<]*)<', rows["r1"])
     assert 'href="run.html#result=door%2Fproperty%2Fclock+at+rest">run of 3 steps</a>' in rows["r1"]
     assert re.search(r'href="#(source-door-\d+)">[^<]*door_controller\.py:\d+</a>', rows["r1"])
-    assert '<a href="certificates/door.tar.xz">shared certificates of door</a>' in page
+    assert '<a href="certificates/door.tar.xz">certificates of door</a>' in page
 
 
 def test_every_link_leads_to_a_file_or_a_place(tmp_path: Path) -> None:

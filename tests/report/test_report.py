@@ -29,6 +29,7 @@ from safeloc.report.data import report_data, schema
 from safeloc.report.extract import extract
 from safeloc.report.file_names import file_names
 from safeloc.report.folder import render_folder, write_folder
+from safeloc.report.held_in import statements
 from safeloc.report.junit import to_junit
 from safeloc.report.page import to_html
 from safeloc.report.plot import line_chart
@@ -159,7 +160,7 @@ def test_how_strongly_a_requirement_is_shown() -> None:
 
 def test_page_shows_the_violated_run(page: str) -> None:
     """Each step of the run that breaks the statement is a row: number, transition, inputs and what changed."""
-    shown = page[page.index("<h2>Violated</h2>") : page.index("<h2>Undecided</h2>")]
+    shown = page[page.index("Violated</h2>") : page.index("Undecided</h2>")]
     assert "lamp/property/wears &amp; tears" in shown
     rows = re.findall(
         r"<tr><td class=\"n\">(\d+)</td><td>(.*?)</td><td><code>(.*?)</code></td>.*?<code>(.*?)</code>", shown
@@ -172,7 +173,7 @@ def test_page_shows_the_violated_run(page: str) -> None:
 
 def test_page_shows_what_is_undecided(page: str) -> None:
     """An undecided statement stands with its reason and how far it was looked at."""
-    shown = page[page.index("<h2>Undecided</h2>") : page.index('<h2 id="lamp"')]
+    shown = page[page.index("Undecided</h2>") : page.index('<h2 id="lamp"')]
     assert "no &lt;i&gt;time&lt;/i&gt;" in shown
     assert '<td class="n">4</td>' in shown
 
@@ -236,19 +237,38 @@ def test_trace_back(page: str) -> None:
     assert '<td>new</td><td>property</td><td><a class="id" href="#MRK-1">' in back
 
 
-def test_runs_are_one_table() -> None:
-    """A row a statement, a column a campaign or recording; what was not checked there is said to be not applicable."""
+def test_statements_say_where_they_held() -> None:
+    """Runs with the same verdict and notes stand together; where a statement was not checked it is said to be not applicable."""
     base = replace(UNDECIDED, result=Held("tests", 1, 10, {"contained": "9"}))
     runs = [
         replace(base, id="lamp/test/new", kind="test", method="Hypothesis"),
         replace(base, id="lamp/replay/run: new", kind="replay", method="replay of run.csv"),
+        replace(
+            base, id="lamp/replay/far: new", kind="replay", method="replay of far.csv", result=Held("r", 1, 20, {})
+        ),
         replace(base, id="lamp/replay/run: truth", kind="replay", method="replay of run.csv"),
     ]
     shown = to_html(report_data(runs, [target()]))
-    assert "<th>property tests<br>10 steps</th><th>run.csv<br>10 steps</th>" in shown
-    new, truth = re.findall(r'<tr><td class="says"><b>(?:new|truth)</b>.*?</tr>', shown)
-    assert new.count(">held</span>") == 2
-    assert (truth.count("not applicable"), truth.count("contained: 9")) == (1, 1)
+    new, truth = (
+        re.sub(r"<[^>]*>", " ", row) for row in re.findall(r'<tr><td class="says"><b>(?:new|truth)</b>.*?</tr>', shown)
+    )
+    assert re.search(r"held +in property tests, far\.csv +held +in run\.csv +contained: 9", new)
+    assert re.search(r"held +in run\.csv +contained: 9 +not applicable +in property tests, far\.csv", truth)
+    assert all(len(re.findall("<t[hd]", row)) <= 4 for row in re.findall(r"<tr><td class=\"says\">.*?</tr>", shown))
+
+
+def test_of_many_runs_the_few_others_are_named() -> None:
+    """Of five runs, all, or all but one; of two, the one."""
+    rows = [
+        {"name": f"r{at}: {name}", "kind": "replay", "method": f"replay of r{at}.csv", "verdict": "held", "notes": {}, "statement": "s"}
+        for at in range(5)
+        for name in ("everywhere", "not in 3")
+        if (at, name) != (3, "not in 3")
+    ]  # fmt: skip
+    assert {
+        "everywhere": ["all 5"],
+        "not in 3": ["all 5 but r3.csv", "r3.csv"],
+    } == {row["name"]: [one["where"] for one in row["found"]] for row in statements(rows)}
 
 
 def test_figures_of_the_configuration_have_units_and_sources() -> None:
@@ -312,7 +332,7 @@ def test_a_long_run_is_folded_but_for_its_end() -> None:
     trace["steps"] = trace["steps"] * 20
     page = to_html(data)
     assert "<summary>the 41 rows before</summary>" in page
-    shown = page[page.index("<h2>Violated</h2>") : page.index('<h2 id="lamp"')]
+    shown = page[page.index("Violated</h2>") : page.index('<h2 id="lamp"')]
     assert shown.count('<tr><td class="n">') == 61
 
 
@@ -371,11 +391,11 @@ def test_folder(folder: Path) -> None:
     assert isinstance(proof, Proved)
     assert proof.certificates
     expected = {"index.html", "report.json", "junit.xml", "results.sarif", TRACES, "machines/lamp.json.xz"}
-    expected |= {"certificates/lamp-property-new.tar.xz", "run.html", "SHA256SUMS"}
+    expected |= {"certificates/lamp.tar.xz", "run.html", "SHA256SUMS"}
     expected |= {"page/lamp.view.js", "page/results.js", "machines/lamp.js"}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
-    read = read_archives(folder / "certificates", {"lamp-property-new.tar.xz": list(proof.certificates)})
+    read = read_archives(folder / "certificates", {"lamp.tar.xz": list(proof.certificates)})
     assert (proof.certificates, {}) == (read.texts, read.damaged)
 
 

@@ -15,6 +15,7 @@ class Charts {
     this.charts = [];
     this.marks = [];
     this.step = 0;
+    this.periodMs = null; // length of a step, where the configuration has it
     this.whole();
     this.drag = null;
     this.resized = new ResizeObserver(() => this.width !== box.clientWidth && this.draw());
@@ -56,6 +57,7 @@ class Charts {
     this.readouts = [];
     const made = this.lanes.length ? [this.drawLanes()] : [];
     for (const chart of this.charts) made.push(this.drawChart(chart));
+    if (made.length) made.push(this.drawSteps());
     this.box.replaceChildren(...made);
     this.move(this.step);
   }
@@ -126,7 +128,7 @@ class Charts {
       }
     });
     svg.append(...this.markers(height), cursor);
-    return element("figure", { class: "lanes" }, element("figcaption", {}, "modes"), svg);
+    return element("figure", { class: "lanes" }, element("figcaption", {}, "mode of each machine"), svg);
   }
 
   drawChart(chart) {
@@ -146,6 +148,20 @@ class Charts {
     return element("figure", {}, this.caption(chart), svg);
   }
 
+  /* The scale of steps below all lanes and charts, with the time at each where the length of a step is known. */
+  drawSteps() {
+    const tall = this.periodMs ? 34 : 20;
+    const svg = drawn("svg", { viewBox: `0 0 ${this.width} ${tall}`, height: tall, role: "img", "aria-label": `steps ${this.from} to ${this.to}` });
+    const least = ((this.to - this.from) * 80) / (this.width - LEFT - RIGHT);
+    const word = (text, y) => drawn("text", { class: "tick", x: LEFT - 8, y, "text-anchor": "end" }, text);
+    svg.append(word("step", 12), ...(this.periodMs ? [word("time in s", 28)] : []));
+    for (const step of scaled(this.from, this.to, Math.max(least, 1))) {
+      const at = (text, y) => drawn("text", { class: "tick", x: this.x(step).toFixed(1), y, "text-anchor": "middle" }, text);
+      svg.append(at(number(step), 12), ...(this.periodMs ? [at(number((step * this.periodMs) / 1000), 28)] : []));
+    }
+    return element("figure", {}, svg);
+  }
+
   caption(chart) {
     const cells = chart.lines.map(() => element("b", {}));
     this.readouts.push({ chart, cells });
@@ -153,7 +169,7 @@ class Charts {
       element("span", { class: "key" }, element("i", { class: `swatch swatch${at}` }), `${line.name} `, cells[at]),
     );
     const close = chart.closed ? element("button", { class: "quiet", onclick: chart.closed, "aria-label": `close the chart of ${chart.title}` }, "\u00d7") : null;
-    return element("figcaption", {}, element("span", {}, chart.title), ...keys, close);
+    return element("figcaption", {}, element("span", {}, chart.unit ? `${chart.title}, in ${chart.unit}` : chart.title), ...keys, close);
   }
 
   path(values, scale) {
@@ -249,12 +265,16 @@ function upright(lines, from, to) {
   low -= room;
   high += room;
   const y = (value) => TALL - 8 - ((TALL - 16) * (value - low)) / (high - low);
-  const least = ((high - low) * 34) / TALL;
+  return { y, ticks: scaled(low, high, ((high - low) * 34) / TALL) };
+}
+
+/* Round numbers from one value to another that are at least so far apart. */
+function scaled(low, high, least) {
   const power = 10 ** Math.floor(Math.log10(least));
   const apart = [1, 2, 5, 10].find((factor) => factor * power >= least * 0.999) * power;
   const ticks = [];
   for (let at = Math.ceil(low / apart); at <= Math.floor(high / apart); at += 1) ticks.push(at * apart);
-  return { y, ticks };
+  return ticks;
 }
 
 const number = (value) => shown(Math.abs(value) < 1e-9 ? 0 : Number(value.toPrecision(9)), null);

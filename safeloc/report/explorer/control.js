@@ -103,7 +103,7 @@ async function openRun(result, words) {
   showRun(data, trace);
   view.plotted = (words.get("chart") ?? "").split(",").filter((one) => view.signal(one));
   setUp(words.get("machine") ?? "");
-  const step = words.has("step") ? Number(words.get("step")) : (view.violating ?? (view.fired[0] ?? 0));
+  const step = words.has("step") ? Number(words.get("step")) : words.has("drive") ? locatedStep(view) : (view.violating ?? (view.fired[0] ?? 0));
   view.watched = words.getAll("watch");
   go(Number.isInteger(step) ? step : 0);
   const opened = view;
@@ -119,6 +119,7 @@ async function openRun(result, words) {
     view.show(view.step);
   }
   if (words.has("take")) takeLink(words, live, flaw);
+  else if (words.has("drive")) drive(live, flaw);
 }
 
 function start(live) {
@@ -221,6 +222,7 @@ function go(step) {
 
 function say() {
   place("run-slider").value = view.step;
+  place("run-now-title").textContent = view.step ? `step ${view.step} of ${view.trace.steps}` : "before the first step";
   if (document.activeElement !== place("run-step")) place("run-step").value = view.step;
   const fired = view.firedAt(view.step).map(([, name]) => name).join(", ");
   place("run-slider").setAttribute("aria-valuetext", `step ${view.step}, ${fired || "start"}`);
@@ -288,6 +290,29 @@ function branchOff() {
   const { live, trace, step } = view;
   begin(new Branch(trace, live, step), live);
   place("run-if-title").scrollIntoView({ block: "nearest" });
+}
+
+/* A step early in the longest stretch with a valid position, for somebody who wants to see what becomes of it. */
+function locatedStep({ data, trace }) {
+  if (!data.reported) return 0;
+  const valid = trace.series("outputs", data.reported.valid).map((value) => value === data.reported.valid_is);
+  let longest = [0, 0];
+  for (const [isValid, from, to] of stretches(valid, 0, trace.steps)) if (isValid && to - from > longest[1] - longest[0]) longest = [from, to];
+  return longest[0] + Math.floor((longest[1] - longest[0]) / 4);
+}
+
+/* Branches off for somebody who wants to break a sensor: goes on as recorded, until the position is withdrawn. */
+function drive(live, flaw) {
+  if (!live?.fits) {
+    place("run-flaw").hidden = false;
+    place("run-flaw").textContent = `The machine cannot be driven here: ${live?.flaw || flaw}. The stored run stands below.`;
+    return;
+  }
+  branchOff();
+  place("run-if-until").value = "withdrawn";
+  place("run-if-most").value = 1000;
+  place("run-if-note").hidden = false;
+  place("run-if-note").textContent = "To break a sensor, empty its field below (it is then absent in each step) and press \u201cgo on\u201d. The charts show what becomes of the interval.";
 }
 
 function begin(branch, live) {

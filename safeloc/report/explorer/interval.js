@@ -20,13 +20,13 @@ function ofInterval(data, trace) {
   ];
   return [
     {
-      title: "from the reported position",
+      title: `truth and margins from ${names.position}`,
       unit: "mm",
       lines: [{ name: "truth", values: away(truth) }, { name: "+ margin", values: away(high) }, { name: "\u2212 margin", values: away(low) }, ...tolerance],
       band: [away(low), away(high)],
     },
     {
-      title: "on the line",
+      title: `${names.position} on the line`,
       unit: "mm",
       lines: [{ name: "truth", values: truth }, { name: "reported position", values: position }],
       band: [low, high],

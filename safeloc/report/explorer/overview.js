@@ -95,7 +95,7 @@ function leads(one) {
   const links = [];
   const to = (href, words, part) => links.push(element("a", { href, "data-in": part ?? null }, words));
   if (one.id) to(`${overview.run}#${new URLSearchParams({ result: one.id })}`, one.steps === 1 ? "run of 1 step" : `run of ${one.steps} steps`);
-  for (const file of one.certificates) to(file, file.split("/").at(-1));
+  for (const [file, words] of one.certificates) to(file, words);
   if (one.source) to(`#${one.source}`, one.declared, overview.parts[one.machine]);
   else if (one.declared) links.push(element("span", {}, one.declared));
   for (const id of one.requirements) to(`#${id}`, id);
@@ -133,13 +133,21 @@ function fromLink() {
   search();
 }
 
-/* A link to a place within a part that is not open yet: the part of the machine that has it is opened first. */
+/* The part that has a place which is not on the page yet: its name begins with that of the machine, or it is a row of a result. */
+async function partOf(at) {
+  if (at.startsWith("condition-")) return overview.conditions;
+  const named = (machine) => ["law", "term", "source"].some((kind) => at.startsWith(`${kind}-${machine.replace(/[^A-Za-z0-9]+/g, "-")}-`));
+  const longest = Object.keys(overview.parts).filter(named).sort((one, other) => other.length - one.length)[0];
+  return overview.parts[longest ?? (await results().catch(() => [])).find((row) => row.at === at)?.machine];
+}
+
+/* A link to a place within a part that is not open yet: the part that has it is opened first. A link to a heading opens what it is the heading of. */
 async function toPart() {
   const at = location.hash.slice(1);
-  if (!at || at.includes("=") || !Object.keys(overview.parts).length) return;
+  if (!at || at.includes("=")) return;
   if (place(at)) return unfold(place(at));
-  const one = (await results().catch(() => [])).find((row) => row.at === at || row.source === at);
-  const box = one && [...document.querySelectorAll("details.part")].find(({ dataset }) => dataset.part === overview.parts[one.machine]);
+  const part = await partOf(at);
+  const box = part && [...document.querySelectorAll("details.part")].find(({ dataset }) => dataset.part === part);
   if (!box) return;
   const seen = new MutationObserver(() => {
     if (!place(at)) return;
@@ -152,6 +160,7 @@ async function toPart() {
 
 function unfold(one) {
   for (let box = one.closest("details"); box; box = box.parentElement.closest("details")) box.open = true;
+  if ("opens" in one.dataset) place(one.dataset.opens).open = true;
   one.scrollIntoView();
 }
 

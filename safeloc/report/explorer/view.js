@@ -18,6 +18,7 @@ class View {
     this.diagram = new Diagram(place("run-diagram"));
     this.fired = this.firingSteps();
     this.charts = new Charts(place("run-charts"), trace.steps, (step) => this.show(step));
+    this.charts.periodMs = data.period_ms;
     this.charts.marks = this.broken.map(([statement, step]) => ({ step, words: `violated at step ${step}: ${statement}` }));
     if (trace.from !== undefined) this.charts.marks.push({ step: trace.from, words: "other inputs from here on", kind: "branch" });
     this.strip = new Strip(place("run-line"), this);
