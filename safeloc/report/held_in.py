@@ -12,7 +12,7 @@ from typing import Any
 
 from safeloc.runtime.streams.gzipped import name_of
 
-TESTS = "property tests"
+_TESTS = "property tests"
 _NOT_APPLICABLE = "not applicable"
 _Data = Mapping[str, Any]
 
@@ -52,7 +52,7 @@ def _alike(by_source: Mapping[str, _Data], every: Sequence[str]) -> Iterator[dic
     """Yield verdict and notes that several runs have in common, each with the names of the runs."""
     groups: dict[str, dict[str, Any]] = {}
     for source, row in by_source.items():
-        notes = {} if source == TESTS else row["notes"]  # those of the tests stand once, below
+        notes = {} if source == _TESTS else row["notes"]  # those of the tests stand once, below
         key = json.dumps([row["verdict"], notes])
         groups.setdefault(key, {"verdict": row["verdict"], "notes": notes, "sources": []})["sources"].append(source)
     left = [source for source in every if source not in by_source]
@@ -73,4 +73,4 @@ def _where(sources: Collection[str], every: Sequence[str]) -> str:
 
 
 def _source(row: _Data) -> str:
-    return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else TESTS
+    return str(row["method"]).removeprefix("replay of ") if row["kind"] == "replay" else _TESTS
