@@ -108,7 +108,13 @@ def measure(
     wanted = rng.uniform(-1, 1, cycles // 100 + 1)
     present = (rng.random(cycles) >= dropout) & ~_silenced(name, cycles, faults)
     step, wander = measured(
-        motion.step_nm[:, None], motion.period_ms, law, np.array([severity]), bias[:, None], wanted[:, None], present[:, None]
+        motion.step_nm[:, None],
+        motion.period_ms,
+        law,
+        np.array([severity]),
+        bias[:, None],
+        wanted[:, None],
+        present[:, None],
     )
     _check_wander(name, law, wander[:, 0])
     return Distances(name, faulty(name, step[:, 0], faults), present, wander[:, 0])
@@ -237,3 +243,25 @@ def read_markers(
             readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, 0, 0))
         before = int(place)
     return readings
+
+
+def passages(
+    position_nm: NDArray[np.int64],
+    start_nm: int,
+    end: int,
+    offset_mm: int,
+    markers: Sequence[tuple[int, int]],
+    shifts_mm: NDArray[np.float64],
+    accuracy_mm: Mapping[int, int],
+) -> list[Reading]:
+    """Return the readings of `read_markers` for a run that never turns back, on which every marker lies `shifts_mm` from its place."""
+    places = position_nm - offset_mm * NM_PER_MM
+    spots = (np.array([place for _, place in markers], dtype=np.int64) + shifts_mm) * NM_PER_MM
+    cycles = np.searchsorted(places, spots, side="left")
+    read: dict[int, Reading] = {}  # of several markers in one cycle the reader tells the last one
+    for (marker, spot), at, shift, true in zip(markers, cycles, shifts_mm, spots, strict=True):
+        cycle = int(at)
+        if true > start_nm - offset_mm * NM_PER_MM and cycle < len(places):
+            since = round(int(places[cycle]) / NM_PER_MM - spot + -shift)
+            read[cycle] = Reading(cycle, end, marker, spot, accuracy_mm[marker], since)
+    return [read[cycle] for cycle in sorted(read)]

@@ -1,0 +1,59 @@
+"""Many localizers on one of the example journeys, for campaigns: every vehicle draws its own errors and times of faults."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from safeloc.errors import InputError
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer.simulation.journeys import NOMINAL
+from safeloc.models.localizer.simulation.simulate import KINDS, Journey, first_state, with_truth
+from safeloc.simulation.faults import Kinds
+from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
+from safeloc.target import Target
+
+
+@dataclass(frozen=True, eq=False)
+class LocalizerJourneys:
+    """Localizers on one journey; `line` is its name."""
+
+    target: Target
+    line: str
+
+    def __post_init__(self) -> None:
+        if self.line not in NOMINAL:
+            raise InputError(f"the localizer has no journey {self.line!r}; it has {', '.join(NOMINAL)}.")
+
+    @property
+    def config(self) -> LocalizerConfig:
+        """The configuration of the machine."""
+        assert isinstance(self.target.config, LocalizerConfig)
+        return self.target.config
+
+    @property
+    def period_ms(self) -> int:
+        """The length of a cycle."""
+        return self.config.motion.period_ms
+
+    @property
+    def figures(self) -> Mapping[str, DrawnFigure]:
+        """The figures that may be drawn, by name."""
+        return {"satellites": DrawnFigure("satellites", 0, 32, NOMINAL[self.line].satellites, "satellites in view")}
+
+    @property
+    def kinds(self) -> Mapping[str | int, Kinds]:
+        """The journey itself, and each balise group by its identity."""
+        return {"": KINDS, **{group.identity: KINDS for group in NOMINAL[self.line].groups}}
+
+    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+        """Return the runs of the vehicles."""
+        seeds, nominal = rng.integers(0, 2**31, drawn.vehicles), NOMINAL[self.line]
+        journeys: Sequence[Journey] = [
+            replace(nominal, satellites=round(drawn.figures["satellites"][run]), troubles=drawn.faults[run])
+            for run in range(drawn.vehicles)
+        ]
+        streams = [with_truth(self.config, one, seed=int(seed)) for one, seed in zip(journeys, seeds, strict=True)]
+        return ManyRuns(packed(self.target.system, streams, cycles), first_state(self.config, nominal))
