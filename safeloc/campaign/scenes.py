@@ -19,6 +19,7 @@ from safeloc.models.line_runs.many import ON_LINE, configured
 from safeloc.models.line_runs.route_choice import chosen_routes
 from safeloc.models.localizer.simulation.many import LocalizerJourneys
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
+from safeloc.railway.map.model import content_checksum
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
@@ -34,10 +35,14 @@ LOCALIZER = "localizer"
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """The machine of a stratum, and the simulation of its vehicles."""
+    """The machine of a stratum, and the simulation of its vehicles.
+
+    content  what line, routes and vehicle hold: shards with another content are others
+    """
 
     target: Target
     simulation: ManySimulation
+    content: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +80,15 @@ def _scene(
     """Return the scene; `place` is the folder from which files are named."""
     if machine == LOCALIZER:
         journeys = LocalizerJourneys(load_target(machine), line or "")
-        return Scene(journeys.target, journeys)
+        return Scene(journeys.target, journeys, repr(line))
     if line is None:
         return _alone(machine, vehicle)
     known = find_line(_file(line, place))
     driven = _vehicle(vehicle, trust_first, place)
     target = replace(ENTRIES[machine].make(configured(machine, driven)), spec=machine)
-    simulation = ON_LINE[machine](driven, chosen_routes(Topology(known), routes, None, None), target)
-    return Scene(target, simulation)
+    chosen = chosen_routes(Topology(known), routes, None, None)
+    content = f"{content_checksum(known)} {[one.route.name for one in chosen]} {driven!r}"
+    return Scene(target, ON_LINE[machine](driven, chosen, target), content)
 
 
 def _alone(machine: str, vehicle: str | None) -> Scene:
