@@ -186,3 +186,9 @@ def _longest(wrong: Flags) -> Whole:
         edges = np.flatnonzero(np.diff(wrong[:, run].astype(np.int8), prepend=0, append=0))
         longest[run] = int((edges[1::2] - edges[::2]).max())
     return longest
+
+
+def wrong_cycles(data: bytes) -> tuple[int, int]:
+    """Return the cycles with a wrong interval in a shard's table: with the laws kept, and broken."""
+    table = parquet.read_table(io.BytesIO(data), columns=["kept_wrong", "broken_wrong"])
+    return tuple(sum(one or 0 for one in table.column(name).to_pylist()) for name in ("kept_wrong", "broken_wrong"))  # type: ignore[return-value]
