@@ -142,7 +142,9 @@ class Results:
             f"select stratum, sum(s), sum(s * s), count(*) from (select stratum, {share} as s from rows_ where row = 'vehicle') "
             "group by stratum"
         )
-        sums = {stratum: rest for stratum, *rest in rows}
+        sums: dict[int, tuple[float, float, int]] = {
+            stratum: (one, square, number) for stratum, one, square, number in rows
+        }
         strata = self._campaign.strata
         each = shared_confidence(self._confidence, sum(one.weight > 0 for one in strata))
         parts = [(one.weight, mean_share(*sums[one.number], each)) for one in strata]

@@ -9,8 +9,10 @@ A wrong interval with the law broken is hazardous and unnoticed; one with the la
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,10 +21,10 @@ from safeloc.codegen.batch import Prepared, compile_batch, simulate
 from safeloc.codegen.batch_lanes import compile_lanes
 from safeloc.codegen.c99_build import compiler
 from safeloc.errors import EngineError, InputError
-from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, Var, all_of, between
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Num, NumVar, Var, all_of, between
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.units import NM_PER_MM, Enumeration
-from safeloc.proof.cache.store import usual_folder
+from safeloc.proof.cache.store import Store, usual_folder
 from safeloc.reported import Reported
 from safeloc.simulation.many_runs import Array, ManyRuns
 from safeloc.target import Target
@@ -93,7 +95,7 @@ def judge_of(target: Target, *, compiled: bool = True) -> Judge:
             f"{target.name} reports no interval whose truth its world knows; a campaign has nothing to ask."
         )
     clauses = clauses_of(target.system)
-    flags = {BoolVar(f"{_FLAG}{number}"): term for number, term in enumerate(clauses.values())}
+    flags: dict[Var, Expr] = {BoolVar(f"{_FLAG}{number}"): term for number, term in enumerate(clauses.values())}
     system = replace(
         target.system,
         state=(*target.system.state, *flags),
@@ -110,7 +112,8 @@ def _code(system: TransitionSystem, keep: list[str], *, compiled: bool) -> Prepa
             cc = compiler()
         except EngineError:  # without a compiler numpy gives the same numbers, more slowly
             return compile_batch(system, keep)
-        return compile_lanes(system, keep, threads=1, folder=usual_folder() / "lanes", cc=cc)
+        store = Store(Path(os.environ.get("SAFELOC_CACHE") or usual_folder()))
+        return compile_lanes(system, keep, threads=1, folder=store.libraries, cc=cc)
     return compile_batch(system, keep)
 
 
@@ -154,7 +157,8 @@ class Outcome:
     @property
     def margin_nm(self) -> Whole:
         """The distance of the truth from the nearer end of the interval, below 0 outside; meant for cycles with a report."""
-        return np.minimum(self.truth_nm - self.low_mm * NM_PER_MM, self.high_mm * NM_PER_MM - self.truth_nm)
+        below, above = self.truth_nm - self.low_mm * NM_PER_MM, self.high_mm * NM_PER_MM - self.truth_nm
+        return np.asarray(np.minimum(below, above), dtype=np.int64)
 
     @property
     def width_mm(self) -> Whole:

@@ -13,7 +13,7 @@ from safeloc.campaign.declaration import Campaign
 from safeloc.campaign.kept import keep_streams
 from safeloc.campaign.scenes import scene_of
 from safeloc.report.campaign_page import campaign_page
-from safeloc.report.campaign_pictures import as_file, stanford_of_cells, times_until_silent, width_along_line
+from safeloc.report.campaign_pictures import stanford_of_cells, times_until_silent, width_along_line, with_style
 
 
 def write_results(campaign: Campaign, folder: Path) -> dict[str, Any]:
@@ -21,10 +21,13 @@ def write_results(campaign: Campaign, folder: Path) -> dict[str, Any]:
     results = Results(campaign, folder)
     data = results.as_data()
     data["streams"] = keep_streams(campaign, results, folder)
-    drawn = _pictures(campaign, results, data)
+    drawn = {
+        name: (caption, with_style(text))
+        for name, (caption, text) in _pictures(campaign, results, data).items()
+        if text
+    }
     for name, (_, text) in drawn.items():
-        if text:
-            (folder / f"{name}.svg").write_text(as_file(text), encoding="utf-8")
+        (folder / f"{name}.svg").write_text(text, encoding="utf-8")
     (folder / "results.json").write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
     page = campaign_page(data, {caption: text for caption, text in drawn.values()})
     (folder / "index.html").write_text(page, encoding="utf-8")

@@ -82,17 +82,19 @@ def _scene(
         journeys = LocalizerJourneys(load_target(machine), line or "")
         return Scene(journeys.target, journeys, repr(line))
     if line is None:
-        return _alone(machine, vehicle)
+        return _alone(machine, vehicle, place)
     known = find_line(_file(line, place))
     driven = _vehicle(vehicle, trust_first, place)
-    target = replace(ENTRIES[machine].make(configured(machine, driven)), spec=machine)
+    config = configured(machine, driven)
+    target = replace(ENTRIES[machine].make(config), spec=machine)
     chosen = chosen_routes(Topology(known), routes, None, None)
     content = f"{content_checksum(known)} {[one.route.name for one in chosen]} {driven!r}"
     return Scene(target, ON_LINE[machine](driven, chosen, target), content)
 
 
-def _alone(machine: str, vehicle: str | None) -> Scene:
-    target = load_target(machine)
+def _alone(machine: str, vehicle: str | None, place: str) -> Scene:
+    file, colon, name = machine.rpartition(":")
+    target = load_target(f"{_file(file, place)}{colon}{name}")
     if vehicle is not None:
         raise InputError(f"vehicles drive along lines; {machine} has no line here.")
     if target.simulate is None:
@@ -215,8 +217,8 @@ def _drawn(campaign: Campaign, shard: Shard, simulation: ManySimulation, rng: np
     faults: list[list[Fault]] = [[] for _ in range(number)]
     for index, fault in enumerate(campaign.situation_of(shard.stratum).faults):
         place = ("situations", shard.stratum.situation, "faults", index)
-        for run, one in enumerate(_faults(campaign, fault, place, simulation, rng, number)):
-            faults[run].append(one)
+        for run, struck in enumerate(_faults(campaign, fault, place, simulation, rng, number)):
+            faults[run].append(struck)
     return Drawn(number, figures, faults)
 
 

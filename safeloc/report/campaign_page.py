@@ -31,8 +31,8 @@ def share_words(estimate: Mapping[str, Any] | None) -> str:
     """Return a share with its interval, as `0.012 (0.0095 to 0.015)`."""
     if estimate is None:
         return "not known"
-    return f"{estimate['value']:.4g} ({estimate['low']:.2g} to {estimate['high']:.4g})"
+    return f"{estimate['value']:.4g} ({estimate['low']:.4g} to {estimate['high']:.4g})"
 
 
 def _metres(value: int | None) -> str:
-    return "not within the data" if value is None else f"{value / 1_000:.1f} m"
+    return "beyond all values" if value is None else f"{value / 1_000:.1f} m"

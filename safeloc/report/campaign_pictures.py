@@ -25,8 +25,8 @@ from safeloc.report.thinning import Point, Span
 _TOP, _TALL = 28, 260
 _COLOURS = PALETTE[1:]
 _STYLE = (
-    "<style>text{font:11px system-ui,sans-serif;fill:#222}.frame{fill:none;stroke:#c8ced3}.ink{stroke:#222}"
-    ".grid{stroke:#c8ced3;stroke-dasharray:3 4}.soft{fill:#555}svg{background:#fff}</style>"
+    "<style>.picture text{font:11px system-ui,sans-serif;fill:#222}.picture .frame{fill:none;stroke:#c8ced3}"
+    ".picture path.ink{stroke:#222}.picture .grid{stroke:#c8ced3;stroke-dasharray:3 4}.picture{background:#fff}</style>"
 )
 
 
@@ -114,7 +114,7 @@ def _cycle(number: int) -> list[str]:
     return [_COLOURS[index % len(_COLOURS)] for index in range(number)]
 
 
-def as_file(drawn: str) -> str:
-    """Return a picture as a file of its own, with its style."""
+def with_style(drawn: str) -> str:
+    """Return a picture with its style, for a file of its own and for the page."""
     head, _, rest = drawn.partition(">")
     return f"{head}>{_STYLE}{rest}\n"

@@ -1,0 +1,178 @@
+"""A shard is the same wherever it is run; what is finished is not run again, and what is damaged is."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from distributed import get_client
+from pyarrow import parquet
+
+from safeloc.campaign.declaration import Campaign, parse_campaign
+from safeloc.campaign.schedule import Progress, Where, run_missing
+from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
+from safeloc.errors import InputError
+from safeloc.language.interpret import Program, read_inputs, start, step
+from safeloc.language.system import lower
+from safeloc.own_module import load_module
+from tests.campaign.declared import SKIDDING, SMALL
+
+HERE = Where(in_process=True)
+
+
+def rows(data: bytes, kind: str) -> list[dict[str, int]]:
+    """The rows of a kind in a shard's table, without empty cells."""
+    table = parquet.read_table(io.BytesIO(data)).to_pylist()
+    return [{key: cell for key, cell in row.items() if cell is not None} for row in table if row["row"] == kind]
+
+
+def small(**changes: str) -> Campaign:
+    """The small campaign, with lines of its text replaced."""
+    text = SMALL
+    for old, new in changes.items():
+        assert f"{old} = " in text
+        text = text.replace(next(line for line in text.splitlines() if line.startswith(f"{old} = ")), f"{old} = {new}")
+    return parse_campaign(text, "small.toml")
+
+
+def test_a_shard_counts_what_the_interpreter_sees() -> None:
+    """Cycles by law and interval, the first wrong one, margins and times, of every vehicle, recomputed step by step."""
+    campaign = small()
+    found = [row for number in range(3) for row in rows(run_shard(campaign.text, campaign.name, number), "vehicle")]
+    expected = [by_interpreter(seed) for number in range(3) for seed in seeds(campaign, number)]
+    assert 10 == len(found)
+    assert 0 < sum("first_wrong" in one for one in expected) < 10
+    for row, one in zip(found, expected, strict=True):
+        assert {name: row.get(name) for name in one} == one
+    assert list(range(10)) == [row["vehicle"] for row in found]
+
+
+def seeds(campaign: Campaign, number: int) -> list[int]:
+    """The seeds of a shard's vehicles, drawn as a campaign draws them for a machine that takes nothing else."""
+    shard = campaign.shards[number]
+    rng = np.random.default_rng([campaign.declared.seed, number])
+    return [int(seed) for seed in rng.integers(0, 2**31, shard.end - shard.first)]
+
+
+def by_interpreter(seed: int) -> dict[str, int]:
+    """What a row has to say of a vehicle; figures that it has not are left out."""
+    module = load_module(SKIDDING.rpartition(":")[0])
+    system = lower(module.machine)
+    clauses, reported = Program(list(module.machine.world.terms.values())), Program(list(system.outputs.values()))
+    counts: Counter[str] = Counter()
+    state, law, margins, told, first = start(system, None), "kept", list[int](), list[bool](), dict[str, int]()
+    for cycle, record in enumerate(module.simulate(seed)[:150]):
+        inputs = read_inputs(system, {name: value for name, value in record.items() if name != "truth_mm"})
+        if not all(clauses({**state, **inputs})):
+            law = "broken"
+            first.setdefault("first_broken", cycle)
+        state, _ = step(system, state, inputs)
+        outputs = dict(zip(system.outputs, reported(state), strict=True))
+        told.append(bool(outputs["valid"]))
+        if told[-1]:
+            error_nm = abs(state[system.variable("truth_nm")] - outputs["position_mm"] * 10**6)
+            margins.append(outputs["margin_above_mm"] * 10**6 - error_nm)
+        what = "silent" if not told[-1] else "wrong" if margins[-1] < 0 else "contained"
+        counts[f"{law}_{what}"] += 1
+        if what == "wrong":
+            first.setdefault("first_wrong", cycle)
+    begun = first.get("first_broken")
+    if begun is not None and told[begun - 1]:
+        first["reaction"] = told[begun:].index(False) if False in told[begun:] else -1
+    every = [f"{one}_{what}" for one in ("kept", "broken") for what in ("contained", "silent", "wrong")]
+    return {**{name: counts[name] for name in every}, **first, "least_margin_nm": min(margins), "told": sum(told)}
+
+
+def test_shards_are_the_same_bytes_again_and_differ_from_each_other() -> None:
+    """Without anything but text and number; another seed gives others."""
+    campaign = small()
+    first, second = (run_shard(campaign.text, "small.toml", number) for number in (0, 1))
+    assert first == run_shard(campaign.text + "# a remark\n", "elsewhere.toml", 0)
+    assert [row["least_margin_nm"] for row in rows(first, "vehicle")] != [
+        row["least_margin_nm"] for row in rows(second, "vehicle")
+    ]
+    assert first != run_shard(small(seed="4").text, "small.toml", 0)
+    with pytest.raises(InputError, match=r"^small\.toml: no shard 3; it has 3, from 0 on\.$"):
+        run_shard(campaign.text, "small.toml", 3)
+
+
+def test_counts_for_pictures_add_up() -> None:
+    """Every cycle with a report is in a cell of the Stanford diagram, every cycle at a place; wrong ones are told apart."""
+    data = run_shard(small().text, "small.toml", 0)
+    vehicles, cells, places = (rows(data, kind) for kind in ("vehicle", "stanford", "place"))
+    told = sum(row["told"] for row in vehicles)
+    wrong = sum(row["kept_wrong"] + row["broken_wrong"] for row in vehicles)
+    assert (told, wrong) == (
+        sum(row["cycles"] for row in cells),
+        sum(row["cycles"] for row in cells if row["name"] == "wrong"),
+    )
+    assert (4 * 150, told) == (sum(row["cycles"] for row in places), sum(row["told"] for row in places))
+    assert sum(row["width_sum_mm"] for row in vehicles) == sum(row["width_sum_mm"] for row in places)
+    assert max(row["widest_mm"] for row in vehicles) == max(row["widest_mm"] for row in places)
+
+
+def test_the_digest_covers_what_a_shard_depends_on() -> None:
+    """Seed, cycles, limit and size change all shards; more vehicles only the last one and those behind it; kept and remarks none."""
+    base = digests(small())
+    for change in ({"seed": "4"}, {"cycles": "149"}, {"alert_limit_mm": "4_000"}):
+        assert not set(base.values()) & set(digests(small(**change)).values())
+    more = digests(small(vehicles="14"))
+    assert [True, True, False] == [base[number] == more[number] for number in range(3)]
+    assert base == digests(parse_campaign(SMALL + "# a remark\n", "elsewhere.toml"))
+
+
+def test_only_what_is_missing_or_damaged_is_run(tmp_path: Path) -> None:
+    """A shard of the same digest stays; a damaged one, one that is gone and one of another declaration are run or deleted."""
+    told = list[Progress]()
+    run_missing(small(), tmp_path, HERE, told.append)
+    before = {file.number: (file.path.name, file.path.stat().st_mtime_ns) for file in shard_files(tmp_path)}
+    assert (3, 3, True) == (told[-1].ran, len(before), all(file.sound for file in shard_files(tmp_path)))
+
+    damaged = next(file.path for file in shard_files(tmp_path) if file.number == 1)
+    damaged.write_bytes(damaged.read_bytes()[:-1])
+    next(file.path for file in shard_files(tmp_path) if file.number == 2).unlink()
+    stale = tmp_path / "shards" / f"000007-{'0' * 16}-{'0' * 16}.parquet"
+    stale.write_bytes(b"")
+    again = run_missing(small(), tmp_path, HERE, lambda _: None)
+    after = {file.number: (file.path.name, file.path.stat().st_mtime_ns) for file in shard_files(tmp_path)}
+    assert (2, 1) == (again.ran, again.damaged)
+    assert before[0] == after[0]
+    assert [name for name, _ in before.values()] == [name for name, _ in after.values()]
+    assert 0 == run_missing(small(), tmp_path, HERE, lambda _: None).ran
+
+
+def test_a_shard_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where writing fails in the middle, no file is left that a later run could take for a shard."""
+
+    def fails(_: int) -> None:
+        raise OSError("no space left")
+
+    monkeypatch.setattr("safeloc.campaign.shards.os.fsync", fails)
+    with pytest.raises(OSError, match="no space left"):
+        write_shard(tmp_path, 0, "0" * 16, b"table")
+    assert [] == list((tmp_path / "shards").iterdir())
+
+
+@pytest.mark.slow
+def test_workers_that_are_killed_change_no_shard(tmp_path: Path) -> None:
+    """Every worker is killed while shards are under way; the files have the names, and so the bytes, of a run in one process."""
+    campaign = small(vehicles="200")
+    killed = set[int]()
+
+    def kill(progress: Progress) -> None:
+        if progress.ran in (3, 9):
+            for pid in get_client().run(os.getpid).values():
+                killed.add(pid)
+                os.kill(pid, signal.SIGKILL)
+
+    run_missing(campaign, tmp_path / "killed", Where(workers=2), kill)
+    run_missing(campaign, tmp_path / "here", HERE, lambda _: None)
+    names = [[file.path.name for file in shard_files(tmp_path / where)] for where in ("killed", "here")]
+    assert len(killed) >= 3
+    assert names[0] == names[1]
+    assert 50 == len(names[0])
