@@ -8,7 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
+from safeloc.config import Config
 from safeloc.errors import InputError
+from safeloc.language.system import TransitionSystem
 from safeloc.models.balise import simulate as balise_streams
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.line_runs.configs import SPEED_SHARE, LineVehicle, fitting
@@ -23,7 +25,6 @@ from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.speed_profile import Halt, drive
-from safeloc.target import Target
 
 TOP, ROUTE = "top_share", "route"
 _TOP_FIGURE = DrawnFigure(
@@ -33,11 +34,15 @@ _TOP_FIGURE = DrawnFigure(
 
 @dataclass(frozen=True, eq=False)
 class OnLine:
-    """Vehicles of one kind on the routes of a line; each drives one route, any of them alike."""
+    """Vehicles of one kind on the routes of a line; each drives one route, any of them alike.
+
+    made_with, system  the configuration of their machine, and the machine with its world
+    """
 
     vehicle: LineVehicle
     routes: Sequence[Chosen]
-    target: Target
+    made_with: Config
+    system: TransitionSystem
 
     def motion(self, route: Route, top_share: float, gate_mm_s: int, period_ms: int, cycles: int) -> Motion:
         """Return the motion from standstill to the end of the route, where it stands; or only its first cycles."""
@@ -54,8 +59,8 @@ class OdometryOnLine(OnLine):
     @cached_property
     def config(self) -> OdometryConfig:
         """The configuration of the machine."""
-        assert isinstance(self.target.config, OdometryConfig)
-        return self.target.config
+        assert isinstance(self.made_with, OdometryConfig)
+        return self.made_with
 
     @property
     def period_ms(self) -> int:
@@ -87,7 +92,7 @@ class OdometryOnLine(OnLine):
         places = [self.motion(route, float(top), gate, period, cycles).position_nm for top in tops]
         known = accuracies(route, self.vehicle.national_mm, self.vehicle.detection_mm)
         drives = Drives(np.stack(places, axis=1), of_vehicle)
-        return simulate_many(self.config, self.target.system, drives, markers(route), known, drawn, rng)
+        return simulate_many(self.config, self.system, drives, markers(route), known, drawn, rng)
 
 
 class BaliseOnLine(OnLine):
@@ -96,8 +101,8 @@ class BaliseOnLine(OnLine):
     @cached_property
     def config(self) -> BaliseConfig:
         """The configuration of the machine."""
-        assert isinstance(self.target.config, BaliseConfig)
-        return self.target.config
+        assert isinstance(self.made_with, BaliseConfig)
+        return self.made_with
 
     @property
     def period_ms(self) -> int:
@@ -131,7 +136,7 @@ class BaliseOnLine(OnLine):
             self._stream(self.routes[taken[run]].route, _some(drawn, np.array([run])), cycles, int(seeds[run]))
             for run in range(drawn.vehicles)
         ]
-        return ManyRuns(packed(self.target.system, streams, cycles))
+        return ManyRuns(packed(self.system, streams, cycles))
 
     def _stream(self, route: Route, one: Drawn, cycles: int, seed: int) -> balise_streams.Steps:
         chosen = {name: float(values[0]) for name, values in one.figures.items()}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +28,6 @@ LAWS = {"kept": "law kept", "broken": "law broken"}
 STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
 QUANTILES = (0.5, 0.95, 0.99)
 _SHARE_TOLD = "case when cycles > before_first then told / (cycles - before_first) else 0 end"
-
-
-@dataclass(frozen=True)
-class Strata:
-    """The numbers of vehicles by stratum, and the weights."""
-
-    weights: Mapping[int, float]
-    vehicles: Mapping[int, int]
 
 
 class Results:
@@ -63,7 +55,7 @@ class Results:
             "laws": self._laws(),
             "clauses": self._clauses(),
         }
-        answers = {
+        answers: dict[str, Callable[[], list[dict[str, Any]]]] = {
             "containment": self._containment,
             "availability": self._availability,
             "width": self._width,

@@ -17,6 +17,7 @@ from safeloc.language.renamed import hint
 from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.line_runs.many import ON_LINE, configured
 from safeloc.models.line_runs.route_choice import chosen_routes
+from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.many import LocalizerJourneys
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
 from safeloc.railway.map.model import content_checksum
@@ -79,8 +80,9 @@ def _scene(
 ) -> Scene:
     """Return the scene; `place` is the folder from which files are named."""
     if machine == LOCALIZER:
-        journeys = LocalizerJourneys(load_target(machine), line or "")
-        return Scene(journeys.target, journeys, repr(line))
+        target = load_target(machine)
+        assert isinstance(target.config, LocalizerConfig)
+        return Scene(target, LocalizerJourneys(target.config, target.system, line or ""), repr(line))
     if line is None:
         return _alone(machine, vehicle, place)
     known = find_line(_file(line, place))
@@ -89,7 +91,7 @@ def _scene(
     target = replace(ENTRIES[machine].make(config), spec=machine)
     chosen = chosen_routes(Topology(known), routes, None, None)
     content = f"{content_checksum(known)} {[one.route.name for one in chosen]} {driven!r}"
-    return Scene(target, ON_LINE[machine](driven, chosen, target), content)
+    return Scene(target, ON_LINE[machine](driven, chosen, config, target.system), content)
 
 
 def _alone(machine: str, vehicle: str | None, place: str) -> Scene:

@@ -6,6 +6,7 @@ import io
 import os
 import signal
 from collections import Counter
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from distributed import get_client
 from pyarrow import parquet
 
 from safeloc.campaign.declaration import Campaign, parse_campaign
+from safeloc.campaign.judged import Outcome, judge_of
+from safeloc.campaign.scenes import drawn_runs
 from safeloc.campaign.schedule import Progress, Where, run_missing
 from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
 from safeloc.errors import InputError
@@ -86,6 +89,15 @@ def by_interpreter(seed: int) -> dict[str, int]:
         first["reaction"] = told[begun:].index(False) if False in told[begun:] else -1
     every = [f"{one}_{what}" for one in ("kept", "broken") for what in ("contained", "silent", "wrong")]
     return {**{name: counts[name] for name in every}, **first, "least_margin_nm": min(margins), "told": sum(told)}
+
+
+def test_numpy_and_c_give_the_same_numbers() -> None:
+    """So a computer without a compiler makes the same shards."""
+    campaign = small()
+    scene, _, runs = drawn_runs(campaign, campaign.shards[0])
+    numpy, compiled = (judge_of(scene.target, compiled=one).outcome(runs) for one in (False, True))
+    for field in fields(Outcome):
+        assert np.array_equal(getattr(numpy, field.name), getattr(compiled, field.name)), field.name
 
 
 def test_shards_are_the_same_bytes_again_and_differ_from_each_other() -> None:

@@ -17,7 +17,7 @@ from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.sensors import measure, measured, passages, read_markers
 from tests.campaign.declared import ON_VALLEY
 
-JUDGE = cache(lambda target: judge_of(target, compiled=False))
+JUDGE = cache(judge_of)
 MOTION = move(VehicleConfig(), [Leg(20_000, 40), Leg(0, 20)], 100)
 
 

@@ -8,30 +8,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from safeloc.errors import InputError
+from safeloc.language.system import TransitionSystem
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.journeys import NOMINAL
 from safeloc.models.localizer.simulation.simulate import KINDS, Journey, first_state, with_truth
 from safeloc.simulation.faults import Kinds
 from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
-from safeloc.target import Target
 
 
 @dataclass(frozen=True, eq=False)
 class LocalizerJourneys:
-    """Localizers on one journey; `line` is its name."""
+    """Localizers on one journey; `line` is its name, `system` the localizer with its world."""
 
-    target: Target
+    config: LocalizerConfig
+    system: TransitionSystem
     line: str
 
     def __post_init__(self) -> None:
         if self.line not in NOMINAL:
             raise InputError(f"the localizer has no journey {self.line!r}; it has {', '.join(NOMINAL)}.")
-
-    @property
-    def config(self) -> LocalizerConfig:
-        """The configuration of the machine."""
-        assert isinstance(self.target.config, LocalizerConfig)
-        return self.target.config
 
     @property
     def period_ms(self) -> int:
@@ -56,4 +51,4 @@ class LocalizerJourneys:
             for run in range(drawn.vehicles)
         ]
         streams = [with_truth(self.config, one, seed=int(seed)) for one, seed in zip(journeys, seeds, strict=True)]
-        return ManyRuns(packed(self.target.system, streams, cycles), first_state(self.config, nominal))
+        return ManyRuns(packed(self.system, streams, cycles), first_state(self.config, nominal))
