@@ -34,7 +34,7 @@ class Drives:
     of_vehicle: NDArray[np.int64]
 
 
-def units_of(config: OdometryConfig) -> dict[str, ErrorLaw]:
+def _units_of(config: OdometryConfig) -> dict[str, ErrorLaw]:
     """Return the law of each unit by its name."""
     ends = ("front", "rear")[: config.devices]
     return {f"{end}_{law.kind}": law for end in ends for law in (config.first_unit, config.second_unit)}
@@ -43,7 +43,7 @@ def units_of(config: OdometryConfig) -> dict[str, ErrorLaw]:
 def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
     """Return the figures of the sensors that may be drawn."""
     found = {MISSED: DrawnFigure("share", 0, 1, 0.0, "markers that a reader does not report")}
-    for name in units_of(config):
+    for name in _units_of(config):
         found[f"{name}_severity"] = DrawnFigure(
             "share", 0, 100, 0.9, f"error of {name} as a share of what its law allows; above 1 it breaks the law"
         )
@@ -53,7 +53,7 @@ def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
 
 def kinds_of(config: OdometryConfig) -> dict[str | int, Kinds]:
     """Return the kinds of fault of each unit and reader."""
-    return {**dict.fromkeys(units_of(config), sensors.KINDS), **dict.fromkeys(READERS, reader_faults.KINDS)}
+    return {**dict.fromkeys(_units_of(config), sensors.KINDS), **dict.fromkeys(READERS, reader_faults.KINDS)}
 
 
 def simulate_many(
@@ -72,7 +72,7 @@ def simulate_many(
     true = np.diff(position, axis=0, prepend=np.int64(0))
     inputs["true_step_nm"][:] = true
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
-    for name, law in units_of(config).items():
+    for name, law in _units_of(config).items():
         _measure(inputs, name, law, true, config.period_ms, drawn, rng)
     for end, offset in enumerate((0, config.vehicle_length_mm)):
         _read(inputs, config, end, offset, position, markers, accuracy_mm, drawn, rng)

@@ -24,9 +24,9 @@ from safeloc.campaign.statistics import (
     weighted_mean,
 )
 
-LAWS = {"kept": "law kept", "broken": "law broken"}
-STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
-QUANTILES = (0.5, 0.95, 0.99)
+_LAWS = {"kept": "law kept", "broken": "law broken"}
+_STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
+_QUANTILES = (0.5, 0.95, 0.99)
 _SHARE_TOLD = "case when cycles > before_first then told / (cycles - before_first) else 0 end"
 
 
@@ -197,7 +197,7 @@ class Results:
             return None if found == beyond else int(found)
 
         made = []
-        for share in QUANTILES:
+        for share in _QUANTILES:
             ranks = quantile_ranks(share, trials, self._confidence)
             ends = {"value": ranked(ranks.at), "low": ranked(ranks.low), "high": ranked(ranks.high)}
             made.append({"share": share, **ends, "confidence": self._confidence, "method": "order statistics"})
@@ -208,13 +208,13 @@ class Results:
     def _laws(self) -> list[dict[str, Any]]:
         return [
             {
-                "law": LAWS[law],
-                "interval": STANDINGS[what],
+                "law": _LAWS[law],
+                "interval": _STANDINGS[what],
                 "cycles": self._one(f"select sum({law}_{what}) from rows_ where row = 'vehicle'"),
-                **self._mean_of_vehicles(f"{law}_{what} / cycles", f"cycles: {LAWS[law]}, {STANDINGS[what]}"),
+                **self._mean_of_vehicles(f"{law}_{what} / cycles", f"cycles: {_LAWS[law]}, {_STANDINGS[what]}"),
             }
-            for law in LAWS
-            for what in STANDINGS
+            for law in _LAWS
+            for what in _STANDINGS
         ]
 
     def _clauses(self) -> list[dict[str, Any]]:

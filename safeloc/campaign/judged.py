@@ -37,7 +37,7 @@ Flags = NDArray[np.bool_]
 Whole = NDArray[np.int64]
 
 
-def clauses_of(system: TransitionSystem) -> dict[str, Bool]:
+def _clauses_of(system: TransitionSystem) -> dict[str, Bool]:
     """Return the clauses that the proofs assume, by name, over state before the step and inputs."""
     if system.parts:
         assumed = {f"{part.name}: {name}": term for part in system.parts for name, term in part.assumed.items()}
@@ -94,7 +94,7 @@ def judge_of(target: Target, *, compiled: bool = True) -> Judge:
         raise InputError(
             f"{target.name} reports no interval whose truth its world knows; a campaign has nothing to ask."
         )
-    clauses = clauses_of(target.system)
+    clauses = _clauses_of(target.system)
     flags: dict[Var, Expr] = {BoolVar(f"{_FLAG}{number}"): term for number, term in enumerate(clauses.values())}
     system = replace(
         target.system,

@@ -17,7 +17,7 @@ from safeloc.language.trace import present_inputs
 from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.many_runs import Drawn, ManyRuns
 
-STREAMS = "streams"
+_STREAMS = "streams"
 AFTER = 20
 """Cycles that a kept stream goes on after the cycle for which it is kept."""
 KINDS: Mapping[str, tuple[str, str, str]] = {
@@ -41,7 +41,7 @@ class _Wanted:
 
 def keep_streams(campaign: Campaign, results: Results, folder: Path) -> list[dict[str, Any]]:
     """Write the streams, and the configurations that they need, into the folder; return what was kept, each with its command."""
-    place = folder / STREAMS
+    place = folder / _STREAMS
     place.mkdir(parents=True, exist_ok=True)
     for old in place.iterdir():
         old.unlink()

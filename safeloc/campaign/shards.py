@@ -28,7 +28,7 @@ from safeloc.language.digest import full_digest
 from safeloc.proof.cache.engine import source_digest
 from safeloc.target import Target
 
-FORMAT = "safeloc-shard/1"
+_FORMAT = "safeloc-shard/1"
 FOLDER = "shards"
 _NAMED = re.compile(r"(\d{6,})-([0-9a-f]{16})-([0-9a-f]{16})\.parquet")
 _WIDTH = 16
@@ -67,7 +67,7 @@ def digests(campaign: Campaign) -> dict[int, str]:
 
 def _common() -> str:
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in _PACKAGES)
-    return f"{FORMAT}, {versions}, {platform.machine()}, {source_digest()}"
+    return f"{_FORMAT}, {versions}, {platform.machine()}, {source_digest()}"
 
 
 def _digest_of_stratum(campaign: Campaign, stratum: Stratum) -> str:
@@ -137,7 +137,7 @@ def run_shard(text: str, name: str, number: int) -> bytes:
         raise InputError(f"{name}: no shard {number}; it has {len(shards)}, from 0 on.")
     shard = shards[number]
     scene, drawn, runs = drawn_runs(campaign, shard)
-    judge = judge_of_target(scene.target)
+    judge = _judge_of(scene.target)
     limit_mm = alert_limit_mm(campaign, scene.target)
     counted = Counted(shard, judge.clauses, drawn, judge.outcome(runs), limit_mm, campaign.declared.place_step_mm)
     return to_parquet(counted.groups())
@@ -149,6 +149,6 @@ def _parsed(text: str, name: str) -> Campaign:
 
 
 @lru_cache(maxsize=8)
-def judge_of_target(target: Target) -> Judge:
+def _judge_of(target: Target) -> Judge:
     """Return the judge of a machine, compiled once in a process."""
     return judge_of(target)
