@@ -44,8 +44,18 @@ class OnLine:
     made_with: Config
     system: TransitionSystem
 
+    @cached_property
+    def _motions(self) -> dict[tuple[str, float, int], Motion]:
+        return {}
+
     def motion(self, route: Route, top_share: float, gate_mm_s: int, period_ms: int, cycles: int) -> Motion:
         """Return the motion from standstill to the end of the route, where it stands; or only its first cycles."""
+        key = route.name, top_share, cycles
+        if key not in self._motions:
+            self._motions[key] = self._driven(route, top_share, gate_mm_s, period_ms, cycles)
+        return self._motions[key]
+
+    def _driven(self, route: Route, top_share: float, gate_mm_s: int, period_ms: int, cycles: int) -> Motion:
         top = min(self.vehicle.motion.max_speed_mm_s, int(gate_mm_s * SPEED_SHARE))
         stand_s = max(STAND_S, cycles * period_ms / 1_000)
         halts = [Halt(route.length_mm, stand_s, max(1, int(top * top_share)))]

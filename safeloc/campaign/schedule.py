@@ -23,6 +23,8 @@ from safeloc.proof.cache.engine import source_digest
 
 _AHEAD = 2
 """Shards handed out for each thread of the workers: one runs, one waits, so that no worker waits for this process."""
+_PATIENCE_S = 20.0
+"""Time without a result after which local workers that are gone for good are started anew."""
 _ATTEMPTS = 1_000
 """Workers that may die with one shard before it is given up; a worker killed now and then is no fault of the shard."""
 
@@ -91,24 +93,31 @@ def _results(campaign: Campaign, left: Sequence[int], where: Where) -> Iterator[
     if where.in_process or not left:
         yield from ((number, run_shard(campaign.text, campaign.name, number)) for number in left)
     else:
-        with _client(where) as client:
-            yield from _on_workers(client, campaign, left)
+        with _client(where) as (client, revive):
+            yield from _on_workers(client, revive, campaign, left)
 
 
-def _on_workers(client: Any, campaign: Campaign, left: Sequence[int]) -> Iterator[tuple[int, bytes]]:
+def _on_workers(
+    client: Any, revive: Callable[[], None], campaign: Campaign, left: Sequence[int]
+) -> Iterator[tuple[int, bytes]]:
     """Yield the shards as they are done; only a few are handed out at once, so that the scheduler stays small."""
-    from distributed import as_completed
+    from distributed import wait
 
     def handed_out(number: int) -> Any:
         return client.submit(_numbered, campaign.text, campaign.name, number, pure=False)
 
     waiting = iter(left)
     threads = max(1, sum(client.nthreads().values()))
-    running = as_completed([handed_out(number) for number in islice(waiting, _AHEAD * threads)])
-    for future in running:
-        yield future.result()
-        for number in islice(waiting, 1):
-            running.add(handed_out(number))
+    running = {handed_out(number) for number in islice(waiting, _AHEAD * threads)}
+    while running:
+        try:
+            done, running = wait(running, timeout=_PATIENCE_S, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            revive()
+            continue
+        for future in done:
+            yield future.result()
+            running |= {handed_out(number) for number in islice(waiting, 1)}
 
 
 def _numbered(text: str, name: str, number: int) -> tuple[int, bytes]:
@@ -116,15 +125,22 @@ def _numbered(text: str, name: str, number: int) -> tuple[int, bytes]:
 
 
 @contextmanager
-def _client(where: Where) -> Iterator[Any]:
-    """Yield a client of the cluster, or of local workers that end with it. InputError without Dask, or without the scheduler."""
+def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """Yield a client of the cluster, or of local workers that end with it; and what starts workers that are gone for good.
+
+    InputError without Dask, or without the scheduler.
+    """
     try:
         import dask
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise InputError("workers need Dask: install safeloc[campaign], or run with --in-process.") from error
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    with dask.config.set({"distributed.scheduler.allowed-failures": _ATTEMPTS}):
+    settings = {
+        "distributed.scheduler.allowed-failures": _ATTEMPTS,
+        "distributed.deploy.lost-worker-timeout": "1 hour",  # a killed worker starts again by itself, on a busy computer slowly
+    }
+    with dask.config.set(settings):
         if where.scheduler is not None:
             try:
                 client = Client(where.scheduler, timeout="20s")
@@ -132,13 +148,13 @@ def _client(where: Where) -> Iterator[Any]:
                 raise InputError(f"--scheduler {where.scheduler}: no scheduler answers there: {error}.") from error
             with client:
                 _refuse_others(client)
-                yield client
+                yield client, lambda: None
         else:
             cluster = LocalCluster(
                 n_workers=where.workers, threads_per_worker=1, dashboard_address=None, memory_limit=0
             )
             with cluster, Client(cluster) as client:
-                yield client
+                yield client, lambda: cluster.scale(where.workers)
 
 
 def _refuse_others(client: Any) -> None:
