@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from pydantic import BaseModel
 
 from safeloc.campaign.declaration import Campaign, FaultDraw, Shard, Stratum
 from safeloc.campaign.distributions import Choice, Distribution, Fixed
@@ -80,7 +81,7 @@ def _scene(
 ) -> Scene:
     """Return the scene; `place` is the folder from which files are named."""
     if machine == LOCALIZER:
-        target = load_target(machine)
+        target = _loaded(machine)
         assert isinstance(target.config, LocalizerConfig)
         return Scene(target, LocalizerJourneys(target.config, target.system, line or ""), repr(line))
     if line is None:
@@ -88,15 +89,26 @@ def _scene(
     known = find_line(_file(line, place))
     driven = _vehicle(vehicle, trust_first, place)
     config = configured(machine, driven)
-    target = replace(ENTRIES[machine].make(config), spec=machine)
+    target = _made(machine, config)
     chosen = chosen_routes(Topology(known), routes, None, None)
     content = f"{content_checksum(known)} {[one.route.name for one in chosen]} {driven!r}"
     return Scene(target, ON_LINE[machine](driven, chosen, config, target.system), content)
 
 
+@lru_cache(maxsize=4)
+def _loaded(spec: str) -> Target:
+    return load_target(spec)
+
+
+@lru_cache(maxsize=16)
+def _made(machine: str, config: BaseModel) -> Target:
+    """Return the machine in a configuration, once in a process: strata with the same one share its compiled code."""
+    return replace(ENTRIES[machine].make(config), spec=machine)
+
+
 def _alone(machine: str, vehicle: str | None, place: str) -> Scene:
     file, colon, name = machine.rpartition(":")
-    target = load_target(f"{_file(file, place)}{colon}{name}")
+    target = _loaded(f"{_file(file, place)}{colon}{name}")
     if vehicle is not None:
         raise InputError(f"vehicles drive along lines; {machine} has no line here.")
     if target.simulate is None:

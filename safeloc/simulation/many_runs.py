@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.errors import InputError
-from safeloc.language.expr import BoolVar, Var
-from safeloc.language.interpret import read_inputs
+from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.interpret import admitted
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.units import Enumeration
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault, Kinds
 
@@ -92,14 +93,42 @@ def _rest(var: Var) -> np.int64 | np.bool_:
 
 
 def packed(system: TransitionSystem, streams: Sequence[Sequence[Mapping[str, Cell]]], cycles: int) -> dict[str, Array]:
-    """Return step streams as arrays, a vehicle each, up to `cycles` cycles. InputError for a shorter stream."""
+    """Return step streams as arrays, a vehicle each, up to `cycles` cycles; names that no input has are remarks.
+
+    Ranges are not checked here. InputError for a shorter stream, a missing input, and a value of another kind.
+    """
     short = [len(stream) for stream in streams if len(stream) < cycles]
     if short:
         raise InputError(f"{system.name}: a simulated run has {short[0]} cycles; ask for no more than that.")
-    names, inputs = {var.name for var in system.inputs}, absent_everywhere(system, cycles, len(streams))
+    flags = {option.present.name: option.value.name for option in system.optionals}
+    needed = {var.name for var in system.inputs} - flags.keys() - set(flags.values())
+    inputs, kinds = absent_everywhere(system, cycles, len(streams)), {var.name: _Kind(var) for var in system.inputs}
+    present = {name: inputs[flag] for flag, name in flags.items()}
     for run, stream in enumerate(streams):
         for cycle, step in enumerate(stream[:cycles]):
-            read = read_inputs(system, {name: value for name, value in step.items() if name in names})
-            for var, value in read.items():
-                inputs[var.name][cycle, run] = value
+            if not needed <= step.keys():
+                raise InputError(f"{system.name}: input {min(needed - step.keys())!r} is missing in a simulated step.")
+            for name, cell in step.items():
+                if name in kinds:
+                    inputs[name][cycle, run] = kinds[name].value(cell)
+                    if name in present:
+                        present[name][cycle, run] = True
     return inputs
+
+
+class _Kind:
+    """The kind of an input: whole number, truth value, or member of an enumeration, whose label becomes its number."""
+
+    def __init__(self, var: Var) -> None:
+        self._var = var
+        self._type = bool if isinstance(var, BoolVar) else int
+        members = var.unit.members if isinstance(var, NumVar) and isinstance(var.unit, Enumeration) else ()
+        self._labels = {label: number for number, label in enumerate(members)}
+
+    def value(self, cell: Cell) -> int:
+        """Return the value as arrays hold it."""
+        if type(cell) is self._type:
+            return cell
+        if isinstance(cell, str) and cell in self._labels:
+            return self._labels[cell]
+        return admitted(self._var, cell)  # refuses it, with the reason
