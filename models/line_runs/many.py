@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -87,6 +87,11 @@ class OdometryOnLine(OnLine):
         """The places that may be faulty, each with its kinds of fault."""
         return kinds_of(self.config)
 
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """No faults act for the whole run."""
+        return ()
+
     def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
         """Return the runs of the vehicles."""
         taken = rng.integers(0, len(self.routes), drawn.vehicles)
@@ -137,6 +142,11 @@ class BaliseOnLine(OnLine):
         """The places that may be faulty: the odometer, and each group by its identity on board."""
         met = {group.identity for one in self.routes for group in groups(one.route)}
         return {"odometer": sensors.KINDS, **dict.fromkeys(sorted(met), balise_streams.KINDS)}
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """The groups: each has its fault for the whole run."""
+        return [place for place in self.kinds if isinstance(place, int)]
 
     def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
         """Return the runs of the vehicles."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -33,6 +33,16 @@ from safeloc.target import Target
 CYCLES = DrawnFigure("cycles", 0, 1_000_000, 0, "time in a run")
 _MS: Mapping[str, float] = {"ms": 1, "s": 1_000}
 LOCALIZER = "localizer"
+_UNITS: Mapping[str, str] = {
+    "_mm_s": "mm/s",
+    "_mm": "mm",
+    "_ms": "ms",
+    "_ppm": "ppm",
+    "_nm": "nm",
+    "_db": "dB",
+    "_hz": "Hz",
+}
+"""Ends of names, and the units that they mean."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +72,11 @@ class OwnSimulation:
     def kinds(self) -> Mapping[str | int, Kinds]:
         """No faults."""
         return {}
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """No faults."""
+        return ()
 
     @property
     def period_ms(self) -> int:
@@ -161,13 +176,10 @@ def check_strata(campaign: Campaign) -> None:
                 )
             _factor(campaign, one, simulation.figures[name], place, simulation.period_ms)
         for number, fault in enumerate(campaign.situation_of(stratum).faults):
-            _check_fault(campaign, stratum, fault, ("situations", stratum.situation, "faults", number), simulation)
+            _check_fault(campaign, fault, ("situations", stratum.situation, "faults", number), simulation)
 
 
-def _check_fault(
-    campaign: Campaign, stratum: Stratum, fault: FaultDraw, place: Sequence[str | int], simulation: ManySimulation
-) -> None:
-    del stratum
+def _check_fault(campaign: Campaign, fault: FaultDraw, place: Sequence[str | int], simulation: ManySimulation) -> None:
     kinds = simulation.kinds
     if fault.where not in kinds:
         known = ", ".join(str(one) for one in kinds if one != "") or "none"
@@ -177,13 +189,24 @@ def _check_fault(
         kinds[fault.where].require([Fault(fault.kind, fault.where, figures=figures)])
     except InputError as error:
         raise campaign.refuse((*place, "kind"), str(error)) from error
+    for name, figure in fault.figures.items():
+        unit = _unit_of(name)
+        if figure.unit != unit:
+            raise campaign.refuse((*place, "figures", name), f"its unit is {unit}, not {figure.unit!r}.")
     for name, one in (("begin", fault.begin), ("lasts", fault.lasts)):
+        if one is not None and fault.where in simulation.timeless:
+            raise campaign.refuse((*place, name), f"a fault of {fault.where} acts for the whole run; leave {name} out.")
         if one is not None:
             factor = _factor(campaign, one, CYCLES, (*place, name), simulation.period_ms)
             if name == "begin" and one.support[1] * factor >= campaign.declared.cycles:
                 raise campaign.refuse(
                     (*place, name), f"{one.words} may begin after the run of {campaign.declared.cycles} cycles."
                 )
+
+
+def _unit_of(name: str) -> str:
+    """Return the unit that the name of a fault's figure ends with; a figure without one is a count."""
+    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "count")
 
 
 def _first(one: Distribution) -> int | float:

@@ -6,7 +6,7 @@ kinds of fault. Faults are those of the single run (safeloc.simulation.faults).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -71,6 +71,11 @@ class ManySimulation(Protocol):
     @property
     def kinds(self) -> Mapping[str | int, Kinds]:
         """The places that may be faulty, each with its kinds of fault."""
+        ...
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """Those of these places whose faults act for the whole run."""
         ...
 
     @property

@@ -34,6 +34,13 @@ WRONG = {
     "unknown machine": ('"odometry"', '"odometrie"', r"c\.toml:.*odometrie"),
     "one name twice": ('"no fault"', '"the front wheel slides"', r"two situations have one name"),
     "not TOML": ("cycles = 600", "cycles = ", r"c\.toml: not TOML"),
+    "unit of a fault's figure": (
+        'kind = "slide"', 'figures.by_mm = { distribution = "fixed", value = 9000, unit = "m" }\nkind = "jump"',
+        r"c\.toml:2\d: .*figures\.by_mm: its unit is mm, not 'm'",
+    ),
+    "a time of a fault without one": (
+        'machine = "odometry"', 'machine = "balise"', r"c\.toml:2\d: .*where: nothing named 'front_wheel' can be faulty",
+    ),
     "empty distribution": ("low = 10", "low = 20", r"c\.toml:26: .*low 20 is not below high 20"),
 }  # fmt: skip
 
@@ -70,3 +77,10 @@ def test_a_machine_without_simulation_is_refused() -> None:
     """There is nothing to run."""
     with pytest.raises(InputError, match=r"c\.toml:1: machine: arbitration has no simulation"):
         check_strata(parse_campaign(SMALL.replace(SMALL.splitlines()[0], 'machine = "arbitration"'), "c.toml"))
+
+
+def test_a_fault_that_takes_no_time_is_refused_with_one() -> None:
+    """A balise group has its fault for the whole run."""
+    text = ON_VALLEY.replace('"odometry"', '"balise"').replace('"front_wheel"', "3").replace('"slide"', '"late"')
+    with pytest.raises(InputError, match=r"c\.toml:26: .*begin: a fault of 3 acts for the whole run; leave begin out"):
+        check_strata(parse_campaign(text, "c.toml"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,6 +42,11 @@ class LocalizerJourneys:
     def kinds(self) -> Mapping[str | int, Kinds]:
         """The journey itself, and each balise group by its identity."""
         return {"": KINDS, **{group.identity: KINDS for group in NOMINAL[self.line].groups}}
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """None: a journey's fault of a group takes a time and does not heed it."""
+        return ()
 
     def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
         """Return the runs of the vehicles."""
