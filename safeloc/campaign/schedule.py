@@ -151,7 +151,11 @@ def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
                 yield client, lambda: None
         else:
             cluster = LocalCluster(
-                n_workers=where.workers, threads_per_worker=1, dashboard_address=None, memory_limit=0
+                n_workers=where.workers,
+                threads_per_worker=1,
+                dashboard_address=None,
+                memory_limit=0,
+                silence_logs=logging.CRITICAL,
             )
             with cluster, Client(cluster) as client:
                 yield client, lambda: cluster.scale(where.workers)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import io
 import os
 import signal
+import subprocess
+import sys
+import time
 from collections import Counter
 from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
-from distributed import get_client
+from distributed import LocalCluster, get_client
 from pyarrow import parquet
 
 from safeloc.campaign.declaration import Campaign, parse_campaign
@@ -188,3 +191,38 @@ def test_workers_that_are_killed_change_no_shard(tmp_path: Path) -> None:
     assert len(killed) >= 3
     assert names[0] == names[1]
     assert 50 == len(names[0])
+
+
+@pytest.mark.slow
+def test_a_cluster_makes_the_same_shards(tmp_path: Path) -> None:
+    """By the address of its scheduler; where none answers, the message says so."""
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
+        run_missing(small(), tmp_path / "cluster", Where(scheduler=cluster.scheduler_address), lambda _: None)
+        gone = cluster.scheduler_address
+    run_missing(small(), tmp_path / "here", HERE, lambda _: None)
+    names = [[file.path.name for file in shard_files(tmp_path / where)] for where in ("cluster", "here")]
+    assert names[0] == names[1] != []
+    with pytest.raises(InputError, match=f"^--scheduler {gone}: no scheduler answers there"):
+        run_missing(small(), tmp_path / "gone", Where(scheduler=gone), lambda _: None)
+
+
+@pytest.mark.slow
+def test_an_interrupted_campaign_goes_on(tmp_path: Path) -> None:
+    """Ctrl-C loses the shards under way; those that are done stay as they are, and are not run again."""
+    file, folder = tmp_path / "small.toml", tmp_path / "out"
+    file.write_text(small(vehicles="400").text, encoding="utf-8")
+    command = [sys.executable, "-m", "safeloc", "campaign", str(file), "--out", str(folder), "--in-process"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        while len(list(folder.glob("shards/*.parquet"))) < 3:
+            assert process.poll() is None
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    done = {path.name: path.stat().st_mtime_ns for path in folder.glob("shards/*.parquet")}
+    assert 130 == process.returncode
+    assert f"interrupted: {len(done)} shards are kept in {folder}; go on with --resume." in said
+    assert [] == list(folder.glob("shards/*.partial"))
+    subprocess.run([*command, "--resume", "--json"], check=True, capture_output=True)
+    after = {path.name: path.stat().st_mtime_ns for path in folder.glob("shards/*.parquet")}
+    assert 3 <= len(done) < len(after) == 100
+    assert done.items() <= after.items()

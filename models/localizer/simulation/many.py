@@ -14,6 +14,7 @@ from safeloc.models.localizer.simulation.journeys import NOMINAL
 from safeloc.models.localizer.simulation.simulate import KINDS, Journey, first_state, with_truth
 from safeloc.simulation.faults import Kinds
 from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
+from safeloc.simulation.motion import Leg
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +52,20 @@ class LocalizerJourneys:
     def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
         """Return the runs of the vehicles."""
         seeds, nominal = rng.integers(0, 2**31, drawn.vehicles), NOMINAL[self.line]
+        nominal = replace(nominal, legs=_first(nominal.legs, cycles * self.period_ms / 1_000))
         journeys: Sequence[Journey] = [
             replace(nominal, satellites=round(drawn.figures["satellites"][run]), troubles=drawn.faults[run])
             for run in range(drawn.vehicles)
         ]
         streams = [with_truth(self.config, one, seed=int(seed)) for one, seed in zip(journeys, seeds, strict=True)]
         return ManyRuns(packed(self.system, streams, cycles), first_state(self.config, nominal))
+
+
+def _first(legs: Sequence[Leg], seconds: float) -> list[Leg]:
+    """Return the legs of the first seconds: what follows need not be simulated."""
+    kept: list[Leg] = []
+    for leg in legs:
+        if seconds > 0:
+            kept.append(replace(leg, seconds=min(leg.seconds, seconds)))
+        seconds -= leg.seconds
+    return kept
