@@ -20,7 +20,7 @@ from importlib import metadata
 from pathlib import Path
 
 from safeloc.campaign.counted import Counted, alert_limit_mm, to_parquet
-from safeloc.campaign.declaration import Campaign, Stratum, parse_campaign
+from safeloc.campaign.declaration import Campaign, Shard, Stratum, parse_campaign
 from safeloc.campaign.judged import Judge, judge_of
 from safeloc.campaign.scenes import drawn_runs, scene_of
 from safeloc.errors import InputError
@@ -136,6 +136,13 @@ def run_shard(text: str, name: str, number: int) -> bytes:
     if number >= len(shards):
         raise InputError(f"{name}: no shard {number}; it has {len(shards)}, from 0 on.")
     shard = shards[number]
+    try:
+        return _table(campaign, shard)
+    except InputError as error:
+        raise InputError(f"{name}: shard {number} ({campaign.words_of(shard.stratum)}): {error}") from error
+
+
+def _table(campaign: Campaign, shard: Shard) -> bytes:
     scene, drawn, runs = drawn_runs(campaign, shard)
     judge = _judge_of(scene.target)
     limit_mm = alert_limit_mm(campaign, scene.target)
