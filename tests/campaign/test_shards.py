@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from distributed import LocalCluster, get_client
 from pyarrow import parquet
 
 from safeloc.campaign.declaration import Campaign, parse_campaign
@@ -176,6 +175,8 @@ def test_a_shard_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.slow
 def test_workers_that_are_killed_change_no_shard(tmp_path: Path) -> None:
     """Every worker is killed while shards are under way; the files have the names, and so the bytes, of a run in one process."""
+    from distributed import get_client  # takes a second to load, and only slow tests need it
+
     campaign = small(vehicles="200")
     killed = set[int]()
 
@@ -196,6 +197,8 @@ def test_workers_that_are_killed_change_no_shard(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_cluster_makes_the_same_shards(tmp_path: Path) -> None:
     """By the address of its scheduler; where none answers, the message says so."""
+    from distributed import LocalCluster
+
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
         run_missing(small(), tmp_path / "cluster", Where(scheduler=cluster.scheduler_address), lambda _: None)
         gone = cluster.scheduler_address
