@@ -19,7 +19,7 @@ from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.line_runs.many import ON_LINE, configured
 from safeloc.models.line_runs.route_choice import chosen_routes
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer.simulation.many import LocalizerJourneys
+from safeloc.models.localizer.simulation.many import LocalizerJourneys, require_journey
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
 from safeloc.railway.map.model import content_checksum
 from safeloc.railway.map.toml_files import find_line
@@ -96,6 +96,7 @@ def _scene(
 ) -> Scene:
     """Return the scene; `place` is the folder from which files are named."""
     if machine == LOCALIZER:
+        require_journey(line or "")
         target = _loaded(machine)
         assert isinstance(target.config, LocalizerConfig)
         return Scene(target, LocalizerJourneys(target.config, target.system, line or ""), repr(line))

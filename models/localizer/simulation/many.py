@@ -17,6 +17,12 @@ from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
 from safeloc.simulation.motion import Leg
 
 
+def require_journey(name: str) -> None:
+    """Refuse the name of a journey that there is not."""
+    if name not in NOMINAL:
+        raise InputError(f"the localizer has no journey {name!r}; it has {', '.join(NOMINAL)}.")
+
+
 @dataclass(frozen=True, eq=False)
 class LocalizerJourneys:
     """Localizers on one journey; `line` is its name, `system` the localizer with its world."""
@@ -24,10 +30,6 @@ class LocalizerJourneys:
     config: LocalizerConfig
     system: TransitionSystem
     line: str
-
-    def __post_init__(self) -> None:
-        if self.line not in NOMINAL:
-            raise InputError(f"the localizer has no journey {self.line!r}; it has {', '.join(NOMINAL)}.")
 
     @property
     def period_ms(self) -> int:
