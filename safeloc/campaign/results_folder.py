@@ -45,7 +45,8 @@ def _pictures(campaign: Campaign, results: Results, data: Mapping[str, Any]) -> 
     if len(limits) == 1:  # cells of vehicles with different limits are of different size
         limit_mm = limits.pop()
         drawn = stanford_of_cells(results.stanford(), results.silent(), limit_mm, CELLS_TO_LIMIT, "all vehicles run")
-        found["stanford"] = ("Stanford diagram: the vehicles as they were run, without weights", drawn)
+        caption = "Stanford diagram: the vehicles as they were run, without weights; what is far beyond the limit stands at the edge"
+        found["stanford"] = (caption, drawn)
     for column, name, caption in (
         ("withdrawn_after", "time-to-withdraw", "Time from the fault until nothing is reported"),
         ("reaction", "reaction", "Time from the first broken law until nothing is reported"),

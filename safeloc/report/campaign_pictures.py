@@ -11,7 +11,6 @@ from safeloc.report.drawing import (
     RIGHT,
     Axis,
     across_axis,
-    band,
     legend,
     line,
     picture,
@@ -20,7 +19,7 @@ from safeloc.report.drawing import (
     word,
 )
 from safeloc.report.stanford import Report, Reports, stanford_diagram
-from safeloc.report.thinning import Point, Span
+from safeloc.report.thinning import Point
 
 _TOP, _TALL = 28, 260
 _COLOURS = PALETTE[1:]
@@ -89,8 +88,7 @@ def times_until_silent(
         points = _steps(
             [(cycles * period_ms[name], vehicles) for cycles, vehicles in rows if cycles >= 0], total, across.high
         )
-        spans = [Span(across.at(x), up.at(max(0, y - room)), up.at(min(1, y + room))) for x, y in points]
-        made.append(band([spans], colour, kind="confidence"))
+        made.append(_around(points, room, across, up, colour))
         made.append(line([[Point(across.at(x), up.at(y)) for x, y in points]], colour, kind="withdrawn"))
         keys.append(stroke_swatch(colour, f"{name}: {total} vehicles"))
     made.append(across_axis(across, up.begin, "time in s"))
@@ -99,6 +97,14 @@ def times_until_silent(
         f"shaded: the band that holds the whole curve at {confidence * 100:g} % (Dvoretzky, Kiefer, Wolfowitz, Massart)"
     )
     return picture([*made, drawn, word(LEFT, y + 8, band_says, soft=True)], y + 22, title)
+
+
+def _around(points: Sequence[tuple[float, float]], room: float, across: Axis, up: Axis, colour: str) -> str:
+    """Return the band around a curve of steps, which is of steps too."""
+    above = [(across.at(x), up.at(min(1.0, y + room))) for x, y in points]
+    below = [(across.at(x), up.at(max(0.0, y - room))) for x, y in reversed(points)]
+    corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in [*above, *below])
+    return f'<polygon points="{corners}" fill="{colour}" fill-opacity=".22" class="confidence"/>'
 
 
 def _steps(times: Sequence[tuple[int, int]], total: int, end: float) -> list[tuple[float, float]]:
