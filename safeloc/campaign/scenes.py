@@ -8,7 +8,6 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from pydantic import BaseModel
 
 from safeloc.campaign.declaration import Campaign, FaultDraw, Shard, Stratum
 from safeloc.campaign.distributions import Choice, Distribution, Fixed
@@ -105,7 +104,7 @@ def _scene(
     known = find_line(_file(line, place))
     driven = _vehicle(vehicle, trust_first, place)
     config = configured(machine, driven)
-    target = _made(machine, config)
+    target = _made(machine, config.model_dump_json())
     chosen = chosen_routes(Topology(known), routes, None, None)
     content = f"{content_checksum(known)} {[one.route.name for one in chosen]} {driven!r}"
     return Scene(target, ON_LINE[machine](driven, chosen, config, target.system), content)
@@ -117,9 +116,10 @@ def _loaded(spec: str) -> Target:
 
 
 @lru_cache(maxsize=16)
-def _made(machine: str, config: BaseModel) -> Target:
-    """Return the machine in a configuration, once in a process: strata with the same one share its compiled code."""
-    return replace(ENTRIES[machine].make(config), spec=machine)
+def _made(machine: str, config: str) -> Target:
+    """Return the machine in a configuration (JSON), once in a process: strata with the same one share its compiled code."""
+    entry = ENTRIES[machine]
+    return replace(entry.make(entry.config.model_validate_json(config)), spec=machine)
 
 
 def _alone(machine: str, vehicle: str | None, place: str) -> Scene:

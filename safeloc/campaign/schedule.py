@@ -24,7 +24,9 @@ from safeloc.proof.cache.engine import source_digest
 _AHEAD = 2
 """Shards handed out for each thread of the workers: one runs, one waits, so that no worker waits for this process."""
 _PATIENCE_S = 20.0
-"""Time without a result after which local workers that are gone for good are started anew."""
+"""Time without a result after which it is asked whether there are workers."""
+ASKED = 10
+"""Times in a row without any worker after which local ones are started anew; a killed one starts again by itself before."""
 _ATTEMPTS = 1_000
 """Workers that may die with one shard before it is given up; a worker killed now and then is no fault of the shard."""
 
@@ -101,7 +103,7 @@ def _on_workers(
     client: Any, revive: Callable[[], None], campaign: Campaign, left: Sequence[int]
 ) -> Iterator[tuple[int, bytes]]:
     """Yield the shards as they are done; only a few are handed out at once, so that the scheduler stays small."""
-    from distributed import wait
+    _, distributed = _dask()
 
     def handed_out(number: int) -> Any:
         return client.submit(_numbered, campaign.text, campaign.name, number, pure=False)
@@ -111,7 +113,7 @@ def _on_workers(
     running = {handed_out(number) for number in islice(waiting, _AHEAD * threads)}
     while running:
         try:
-            done, running = wait(running, timeout=_PATIENCE_S, return_when="FIRST_COMPLETED")
+            done, running = distributed.wait(running, timeout=_PATIENCE_S, return_when="FIRST_COMPLETED")
         except TimeoutError:
             revive()
             continue
@@ -124,41 +126,64 @@ def _numbered(text: str, name: str, number: int) -> tuple[int, bytes]:
     return number, run_shard(text, name, number)
 
 
+def _dask() -> tuple[Any, Any]:
+    """Return the settings of Dask, and its scheduling of several computers. InputError without Dask."""
+    try:
+        import dask.config
+        import distributed
+    except ImportError as error:
+        raise InputError("workers need Dask: install safeloc[campaign], or run with --in-process.") from error
+    return dask.config, distributed
+
+
 @contextmanager
 def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
     """Yield a client of the cluster, or of local workers that end with it; and what starts workers that are gone for good.
 
     InputError without Dask, or without the scheduler.
     """
-    try:
-        import dask
-        from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise InputError("workers need Dask: install safeloc[campaign], or run with --in-process.") from error
+    config, distributed = _dask()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     settings = {
         "distributed.scheduler.allowed-failures": _ATTEMPTS,
         "distributed.deploy.lost-worker-timeout": "1 hour",  # a killed worker starts again by itself, on a busy computer slowly
     }
-    with dask.config.set(settings):
+    with config.set(settings):
         if where.scheduler is not None:
             try:
-                client = Client(where.scheduler, timeout="20s")
+                client = distributed.Client(where.scheduler, timeout="20s")
             except (OSError, ValueError) as error:
                 raise InputError(f"--scheduler {where.scheduler}: no scheduler answers there: {error}.") from error
             with client:
                 _refuse_others(client)
                 yield client, lambda: None
         else:
-            cluster = LocalCluster(
+            cluster = distributed.LocalCluster(
                 n_workers=where.workers,
                 threads_per_worker=1,
                 dashboard_address=None,
                 memory_limit=0,
                 silence_logs=logging.CRITICAL,
             )
-            with cluster, Client(cluster) as client:
-                yield client, lambda: cluster.scale(where.workers)
+            with cluster, distributed.Client(cluster) as client:
+                yield client, Revival(client, cluster, where.workers)
+
+
+@dataclass
+class Revival:
+    """Starts local workers anew where all are gone for good: each call asks whether there is one."""
+
+    client: Any
+    cluster: Any
+    workers: int
+    times: int = 0
+
+    def __call__(self) -> None:
+        self.times = 0 if self.client.nthreads() else self.times + 1
+        if self.times == ASKED:
+            self.times = 0
+            self.cluster.scale(0)
+            self.cluster.scale(self.workers)
 
 
 def _refuse_others(client: Any) -> None:

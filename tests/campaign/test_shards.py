@@ -11,6 +11,7 @@ import time
 from collections import Counter
 from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from pyarrow import parquet
 from safeloc.campaign.declaration import Campaign, parse_campaign
 from safeloc.campaign.judged import Outcome, judge_of
 from safeloc.campaign.scenes import drawn_runs
-from safeloc.campaign.schedule import Progress, Where, run_missing
+from safeloc.campaign.schedule import ASKED, Progress, Revival, Where, run_missing
 from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
 from safeloc.errors import InputError
 from safeloc.language.interpret import Program, read_inputs, start, step
@@ -170,6 +171,23 @@ def test_a_shard_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(OSError, match="no space left"):
         write_shard(tmp_path, 0, "0" * 16, b"table")
     assert [] == list((tmp_path / "shards").iterdir())
+
+
+def test_workers_that_are_gone_for_good_are_started_anew() -> None:
+    """Not while there is one, and not at once, since a killed worker starts again by itself."""
+    scaled = list[int]()
+    there: dict[str, int] = {}
+    revive = Revival(SimpleNamespace(nthreads=lambda: there), SimpleNamespace(scale=scaled.append), 3)
+    for _ in range(ASKED - 1):
+        revive()
+    there["tcp://worker"] = 1
+    revive()
+    there.clear()
+    for _ in range(ASKED - 1):
+        revive()
+    assert scaled == []
+    revive()
+    assert scaled == [0, 3]
 
 
 @pytest.mark.slow

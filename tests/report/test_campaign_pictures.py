@@ -11,7 +11,13 @@ def test_cells_keep_their_standing() -> None:
     """Counts go to their regions; a wrong interval on the diagonal stays below it, a contained one above."""
     cells = [(3, 3, "contained", 70), (3, 3, "wrong", 2), (90, 20, "wrong", 1), (0, 60, "contained", 4)]
     drawn = stanford_of_cells(cells, 5, 50_000, 50, "all")
-    for words in ("nominal: 70", "misleading: 2", "hazardous: 1", "unavailable: 9", "nothing reported in 5 of 82 steps"):
+    for words in (
+        "nominal: 70",
+        "misleading: 2",
+        "hazardous: 1",
+        "unavailable: 9",
+        "nothing reported in 5 of 82 steps",
+    ):
         assert words in drawn
     assert stanford_of_cells([], 5, 50_000, 50, "all") == ""
 
@@ -30,7 +36,9 @@ def test_the_curve_ends_at_those_that_withdrew_and_its_band_is_of_steps() -> Non
 
 def test_widths_are_drawn_where_something_is_reported() -> None:
     """A stretch without a report is left out; without any there is no picture."""
-    drawn = width_along_line({"a": [(0, 10, 10, 4_000, 6_000), (1, 10, 0, 0, 0), (2, 10, 5, 5_000, 9_000)]}, 50_000, "w")
+    drawn = width_along_line(
+        {"a": [(0, 10, 10, 4_000, 6_000), (1, 10, 0, 0, 0), (2, 10, 5, 5_000, 9_000)]}, 50_000, "w"
+    )
     assert 2 == drawn.count('class="width"')
     assert "<style>" in with_style(drawn)
     assert width_along_line({"a": [(1, 10, 0, 0, 0)]}, 50_000, "w") == ""
