@@ -102,11 +102,13 @@ def _steps(
         steps.append(step)
     for reading in readings:
         if reading.cycle < len(steps):  # a reading may be repeated after the run's end
-            steps[reading.cycle] |= {
-                **_reading(reading),
-                **_marker(config, reading, int(motion.position_nm[reading.cycle])),
-            }
+            steps[reading.cycle] |= reading_inputs(config, reading, int(motion.position_nm[reading.cycle]))
     return steps
+
+
+def reading_inputs(config: OdometryConfig, reading: Reading, truth_nm: int) -> dict[str, int | bool]:
+    """Return the inputs of a cycle with a reading, its ghosts included; `truth_nm` is the place of end A in that cycle."""
+    return {**_reading(reading), **_marker(config, reading, truth_nm)}
 
 
 def _marker(config: OdometryConfig, reading: Reading, truth_nm: int) -> dict[str, int | bool]:

@@ -126,6 +126,11 @@ COMMANDS: Mapping[str, Known] = {
         "margins",
         "Find how far each figure may move before a claim fails: the last value with a proof, and the next one with a run.",
     ),
+    "campaign": Known(
+        "campaign",
+        "campaign",
+        "Run many simulated vehicles drawn from declared distributions; estimate how often what happens, each figure with its interval.",
+    ),
     "faults": Known(
         "faults",
         "faults",

@@ -22,9 +22,9 @@ from safeloc.railway.map.projection import Projector
 from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot
 from safeloc.report.guard_words import WORDS
+from safeloc.report.style_sheet import style_sheet
 
 _TEMPLATE = Path(__file__).with_name("guard.html.jinja")
-_STYLE = Path(__file__).with_name("page.html.jinja")
 _JUDGEMENTS = "judgements.jsonl"
 
 
@@ -49,7 +49,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
     name = Path(stream).name
     counts = counted(judgements)
     return environment.from_string(_TEMPLATE.read_text(encoding="utf-8")).render(
-        style=Markup(_style()),
+        style=Markup(style_sheet()),
         name=name,
         total=len(judgements),
         passed=counts.get("PASSED", 0),
@@ -62,12 +62,6 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
         judgements=_JUDGEMENTS,
         version=version("safeloc"),
     )
-
-
-def _style() -> str:
-    """Return the style sheet of all reports."""
-    text = _STYLE.read_text(encoding="utf-8")
-    return text[text.index("<style>") + len("<style>") : text.index("</style>")]
 
 
 def _way(tracks: Tracks) -> Iterable[str]:

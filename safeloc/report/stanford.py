@@ -58,10 +58,11 @@ def region(error_mm: float, margin_mm: float, limit_mm: float) -> Region:
 
 @dataclass(frozen=True)
 class Report:
-    """One reported step with a known truth: error, and margin on the side of the truth, in mm."""
+    """Reported steps with a known truth: error, and margin on the side of the truth, in mm; and how many steps are so."""
 
     error: float
     margin: float
+    steps: int = 1
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,8 @@ class Reports:
     def counts(self, limit_mm: float) -> Counter[Region]:
         """Return the number of steps in each region; a step without report is unavailable."""
         found: Counter[Region] = Counter()
-        found.update(region(one.error, one.margin, limit_mm) for one in self.made)
+        for one in self.made:
+            found[region(one.error, one.margin, limit_mm)] += one.steps
         found["unavailable"] += self.silent
         return found
 
@@ -162,7 +164,9 @@ def _lines(limit_mm: int, across: Axis, up: Axis) -> Iterator[str]:
 
 def _cells(limit_mm: int, found: Reports, across: Axis, up: Axis) -> Iterator[str]:
     """Draw the steps, collected in cells: the more steps, the darker; failures are crosses."""
-    cells = Counter(_cell(limit_mm, report, across, up) for report in found.made)
+    cells: Counter[tuple[float, float, Region]] = Counter()
+    for report in found.made:
+        cells[_cell(limit_mm, report, across, up)] += report.steps
     most = math.log1p(max(cells.values()))
     for (x, y, name), count in sorted(cells.items()):
         if name in ("misleading", "hazardous"):

@@ -103,25 +103,47 @@ def measure(
     InputError for a fault that no unit has.
     """
     KINDS.require(faults)
-    true, period = motion.step_nm, motion.period_ms
-    cycles = len(true)
+    cycles = len(motion.step_nm)
     bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
-    slipping = _episodes(cycles, _slip_nm(law, severity), rng)
-    step = np.zeros(cycles, dtype=np.int64)
-    wander = np.zeros(cycles, dtype=np.int64)
+    wanted = rng.uniform(-1, 1, cycles // 100 + 1)
     present = (rng.random(cycles) >= dropout) & ~_silenced(name, cycles, faults)
-    last = 0
-    for number in range(cycles):
-        drift = int(np.clip(bias[number], -1, 1) * severity * _drift_nm(law, int(true[number]), period))
-        if not present[number]:
-            wander[number] = last
-            continue
-        target = int(slipping[number])
-        raw = int(true[number]) - drift - (target - last)
-        step[number] = round(raw / NM_PER_MM)
-        wander[number] = last = target + raw - int(step[number]) * NM_PER_MM
-    _check_wander(name, law, wander)
-    return Distances(name, _faulty(name, step, faults), present, wander)
+    step, wander = measured(
+        motion.step_nm[:, None],
+        motion.period_ms,
+        law,
+        np.array([severity]),
+        bias[:, None],
+        wanted[:, None],
+        present[:, None],
+    )
+    _check_wander(name, law, wander[:, 0])
+    return Distances(name, faulty(name, step[:, 0], faults), present, wander[:, 0])
+
+
+def measured(
+    true_nm: NDArray[np.int64],
+    period_ms: int,
+    law: ErrorFigures,
+    severity: NDArray[np.float64],
+    bias: NDArray[np.float64],
+    wanted: NDArray[np.float64],
+    present: NDArray[np.bool_],
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return what units of many runs measure, mm in each cycle, and their wander, nm: arrays [cycle, run] as the arguments.
+
+    severity  of each run, as in `measure`
+    bias      share of the allowed drift, -1 to 1, that a unit has in a cycle
+    wanted    share of the wander, -1 to 1, to which it moves in each 100 cycles
+    """
+    drift = (np.clip(bias, -1, 1) * severity * _drift_nm(law, true_nm, period_ms)).astype(np.int64)
+    slipping = _episodes(wanted, len(true_nm), _slip_nm(law, severity)).astype(np.int64)
+    run = np.cumsum(np.where(present, true_nm - drift, 0), axis=0)
+    counted = np.maximum.accumulate(np.where(present, np.arange(1, len(true_nm) + 1)[:, None], 0), axis=0)
+    told = np.where(present, np.rint((run - slipping) / NM_PER_MM).astype(np.int64), 0)
+    before_first = np.vstack([np.zeros((1, told.shape[1]), dtype=np.int64), told])
+    told = np.take_along_axis(before_first, counted, axis=0)
+    step = np.diff(told, axis=0, prepend=0)
+    return step, run - told * NM_PER_MM
 
 
 def _silenced(name: str, cycles: int, faults: Sequence[Fault]) -> NDArray[np.bool_]:
@@ -132,28 +154,27 @@ def _silenced(name: str, cycles: int, faults: Sequence[Fault]) -> NDArray[np.boo
     return silent
 
 
-def _slip_nm(law: ErrorFigures, severity: float) -> float:
+def _slip_nm(law: ErrorFigures, severity: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the share of the constant for slip, after rounding to whole mm."""
-    return max(0.0, min(law.constant_mm * NM_PER_MM * 0.4 * severity, (law.constant_mm - 1) * NM_PER_MM / 2 - 1_000))
+    most = (law.constant_mm - 1) * NM_PER_MM / 2 - 1_000
+    return np.maximum(0.0, np.minimum(law.constant_mm * NM_PER_MM * 0.4 * severity, most))
 
 
-def _drift_nm(law: ErrorFigures, true_nm: int, period_ms: int) -> int:
+def _drift_nm(law: ErrorFigures, true_nm: NDArray[np.int64], period_ms: int) -> NDArray[np.int64]:
     """Return the drift that a cycle may have, computed from a distance certainly below the measured one."""
     floor = law.floor_mm_s * period_ms * 1000
     least = abs(true_nm) // NM_PER_MM * (1_000_000 - law.rate_ppm) // 1_000_000 - 2 - floor // NM_PER_MM
     wander_change = law.constant_mm // 50
-    above = max(0, least - wander_change - law.knee_mm_s * period_ms // 1000)
-    return floor + above * law.rate_ppm
+    above = np.maximum(0, least - wander_change - law.knee_mm_s * period_ms // 1000)
+    return np.asarray(floor + above * law.rate_ppm, dtype=np.int64)
 
 
-def _episodes(cycles: int, most_nm: float, rng: np.random.Generator) -> NDArray[np.float64]:
+def _episodes(wanted: NDArray[np.float64], cycles: int, most_nm: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a wander that at times moves slowly (at most 1/500 of its range in a cycle), and otherwise rests."""
-    wanted = np.repeat(rng.uniform(-1, 1, cycles // 100 + 1), 100)[:cycles] * most_nm
-    path = np.zeros(cycles)
+    path = np.zeros((cycles, wanted.shape[1]))
     for number in range(1, cycles):
-        path[number] = path[number - 1] + float(
-            np.clip(wanted[number] - path[number - 1], -most_nm / 500, most_nm / 500)
-        )
+        gap = wanted[number // 100] * most_nm - path[number - 1]
+        path[number] = path[number - 1] + np.clip(gap, -most_nm / 500, most_nm / 500)
     return path
 
 
@@ -164,7 +185,8 @@ def _check_wander(name: str, law: ErrorFigures, wander: NDArray[np.int64]) -> No
         )
 
 
-def _faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDArray[np.int64]:
+def faulty(name: str, step: NDArray[np.int64], faults: Sequence[Fault]) -> NDArray[np.int64]:
+    """Return what the unit of this name tells in each cycle with its faults."""
     step = step.copy()
     for fault in faults:
         if not fault.strikes(name):
@@ -221,3 +243,25 @@ def read_markers(
             readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, 0, 0))
         before = int(place)
     return readings
+
+
+def passages(
+    position_nm: NDArray[np.int64],
+    start_nm: int,
+    end: int,
+    offset_mm: int,
+    markers: Sequence[tuple[int, int]],
+    shifts_mm: NDArray[np.float64],
+    accuracy_mm: Mapping[int, int],
+) -> list[Reading]:
+    """Return the readings of `read_markers` for a run that never turns back, on which every marker lies `shifts_mm` from its place."""
+    places = position_nm - offset_mm * NM_PER_MM
+    spots = (np.array([place for _, place in markers], dtype=np.int64) + shifts_mm) * NM_PER_MM
+    cycles = np.searchsorted(places, spots, side="left")
+    read: dict[int, Reading] = {}  # of several markers in one cycle the reader tells the last one
+    for (marker, spot), at, shift, true in zip(markers, cycles, shifts_mm, spots, strict=True):
+        cycle = int(at)
+        if true > start_nm - offset_mm * NM_PER_MM and cycle < len(places):
+            since = round(int(places[cycle]) / NM_PER_MM - spot + -shift)
+            read[cycle] = Reading(cycle, end, marker, spot, accuracy_mm[marker], since)
+    return [read[cycle] for cycle in sorted(read)]

@@ -135,17 +135,22 @@ class Journey:
 
 def simulate(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
     """Return the journey as steps: inputs, the ghosts if no fault breaks an assumption, and the remark `truth_mm`."""
+    steps = with_truth(config, journey, seed=seed)
+    if journey.lawful:
+        return steps
+    hidden = _ghosts(config.model_dump_json())
+    return [{key: cell for key, cell in step.items() if key not in hidden} for step in steps]
+
+
+def with_truth(config: LocalizerConfig, journey: Journey, *, seed: int) -> Steps:
+    """Return the journey as steps with all ghosts: those of a journey whose faults break assumptions break their laws."""
     KINDS.require(journey.troubles)
     rng = np.random.default_rng(seed)
     motion = motion_of(config, journey)
     measured = _measured(config, journey, motion, rng)
     parts = [_common(motion, measured), _links(config, journey, len(motion.position_nm))]
     parts += [_SOURCES[name](config, journey, motion, measured, seed) for name in config.arbitration.sources]
-    steps: Steps = [{key: cell for part in row for key, cell in part.items()} for row in zip(*parts, strict=True)]
-    if journey.lawful:
-        return steps
-    hidden = _ghosts(config.model_dump_json())
-    return [{key: cell for key, cell in step.items() if key not in hidden} for step in steps]
+    return [{key: cell for part in row for key, cell in part.items()} for row in zip(*parts, strict=True)]
 
 
 @lru_cache(maxsize=8)

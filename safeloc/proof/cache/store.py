@@ -95,6 +95,11 @@ class Store:
             shutil.rmtree(self._own)
 
     @property
+    def libraries(self) -> Path:
+        """The folder for compiled machines, which `trim` and `clean` treat as the rest; a file in it may vanish at any time."""
+        return self._own / "libraries"
+
+    @property
     def _own(self) -> Path:
         return self.folder / "kept"
 

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from safeloc.errors import InputError
 from safeloc.railway.map.model import Line
-from safeloc.railway.map.toml_place import line_of
+from safeloc.railway.map.toml_place import line_of, refusal
 from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
 
 LARGEST_TEXT = 50_000_000
@@ -104,19 +104,7 @@ def _line(data: Any, name: str, where: Any) -> Line:
     except RecursionError as error:
         raise InputError(f"{name}: nested too deeply to be a line.") from error
     except ValidationError as error:
-        raise InputError(_message(error, where)) from error
-
-
-def _message(error: ValidationError, where: Any) -> str:
-    found = error.errors(include_url=False)
-    wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
-    first = wrong[0]
-    key = ".".join(str(part) for part in first["loc"])
-    message = first["msg"].removeprefix("Value error, ")
-    text = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
-    more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
-    got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
-    return f"{text.rstrip('.')}{got}.{more}"
+        raise InputError(refusal(error, where)) from error
 
 
 def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, Any]:
@@ -127,8 +115,3 @@ def _without_double_keys(pairs: list[tuple[str, Any]], name: str) -> dict[str, A
         twice = next(key for key, count in counts.items() if count > 1)
         raise InputError(f"{name}: key {quoted(twice)} is given twice.")
     return found
-
-
-def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
-    """Return whether one key lies within the other; a list with a wrong entry is also reported as too short."""
-    return len(inner) > len(outer) and inner[: len(outer)] == outer

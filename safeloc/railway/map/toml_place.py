@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+
+from pydantic import ValidationError
+
+from safeloc.runtime.outside import quoted
+
+Place = Sequence[str | int]
 
 _HEADER = re.compile(r"\s*(\[\[?)([A-Za-z0-9_.\-\s]+)\]")
 _KEY = re.compile(r"^\s*([A-Za-z0-9_-]+)\s*=")
@@ -38,3 +44,21 @@ def _enter(header: str, repeated: bool, counts: dict[tuple[str | int, ...], int]
         counts[path] = counts.get(path, -1) + 1
         path = (*path, counts[path])
     return path
+
+
+def refusal(error: ValidationError, where: Callable[[Place], str]) -> str:
+    """Return why a file is refused: place, key and message of its first flaw; `where` turns the path of a value into words."""
+    found = error.errors(include_url=False)
+    wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
+    first = wrong[0]
+    key = ".".join(str(part) for part in first["loc"])
+    message = first["msg"].removeprefix("Value error, ")
+    text = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
+    more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
+    got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
+    return f"{text.rstrip('.')}{got}.{more}"
+
+
+def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:
+    """Return whether one key lies within the other; a list with a wrong entry is also reported as too short."""
+    return len(inner) > len(outer) and inner[: len(outer)] == outer

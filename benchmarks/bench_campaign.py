@@ -1,0 +1,122 @@
+"""Campaigns: vehicle-cycles a second of one core, and where the time goes; what workers add.
+
+python -m benchmarks.bench_campaign            shares of simulation, machine and counting, for three machines
+python -m benchmarks.bench_campaign workers    one process against 1, 2 and 8 local workers, on the clock
+
+Times of the first table are processor time of this process, the best of three shards; the ratio to the machine's own step in C says what the
+rest costs.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from safeloc.campaign.counted import Counted, alert_limit_mm, to_parquet
+from safeloc.campaign.declaration import Campaign, parse_campaign
+from safeloc.campaign.judged import judge_of
+from safeloc.campaign.scenes import drawn_runs
+from safeloc.campaign.schedule import Where, run_missing
+
+ON_LINE = """machine = "{machine}"
+cycles = 2300
+shard_vehicles = {vehicles}
+[[lines]]
+line = "valley"
+[[vehicles]]
+vehicle = "desiro-br642"
+[[situations]]
+name = "no fault"
+weight = 1.0
+vehicles = {total}
+"""
+JOURNEY = """machine = "localizer"
+cycles = 1500
+shard_vehicles = {vehicles}
+[[lines]]
+line = "main-line"
+[[situations]]
+name = "no fault"
+weight = 1.0
+vehicles = {total}
+"""
+SHARDS = 3
+MACHINES = {"odometry": (ON_LINE, 500), "balise": (ON_LINE, 10), "localizer": (JOURNEY, 10)}
+"""Declaration, and vehicles of a shard."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds of processor time of one shard, by what they went into."""
+
+    vehicle_cycles: int
+    simulation: float
+    machine: float
+    counting: float
+
+    @property
+    def whole(self) -> float:
+        """All of it."""
+        return self.simulation + self.machine + self.counting
+
+
+def declared(machine: str, shards: int) -> Campaign:
+    """Return the campaign of a machine with so many shards."""
+    text, vehicles = MACHINES[machine]
+    return parse_campaign(text.format(machine=machine, vehicles=vehicles, total=vehicles * shards), machine)
+
+
+def costs(campaign: Campaign) -> Iterator[Cost]:
+    """Yield the cost of each shard; the machine is compiled before."""
+    judge = judge_of(drawn_runs(campaign, campaign.shards[0])[0].target)
+    for shard in campaign.shards:
+        began = time.process_time()
+        scene, drawn, runs = drawn_runs(campaign, shard)
+        simulated = time.process_time()
+        outcome = judge.outcome(runs)
+        moved = time.process_time()
+        limit_mm = alert_limit_mm(campaign, scene.target)
+        to_parquet(Counted(shard, judge.clauses, drawn, outcome, limit_mm, 50_000).groups())
+        yield Cost(outcome.told.size, simulated - began, moved - simulated, time.process_time() - moved)
+
+
+def shares() -> None:
+    """Print what a shard costs, for each machine."""
+    print(
+        "| machine | vehicle-cycles a second of a core | simulation | machine and clauses | counting | times the machine's own step |"
+    )
+    print("|---|---|---|---|---|---|")
+    for machine in MACHINES:
+        best = min(costs(declared(machine, SHARDS)), key=lambda one: one.whole)
+        parts = " | ".join(f"{part / best.whole:.0%}" for part in (best.simulation, best.machine, best.counting))
+        print(
+            f"| {machine} | {best.vehicle_cycles / best.whole:,.0f} | {parts} | {best.whole / best.machine:.1f} |",
+            flush=True,
+        )
+    print(f"\ngreatest memory of this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
+
+
+def workers() -> None:
+    """Print the time on the clock, the start of the workers included, of one process and of some workers."""
+    campaign = declared("odometry", 60)
+    print("| where | seconds | as a share of one process |\n|---|---|---|")
+    base = 0.0
+    for name, where in (
+        ("one process, without Dask", Where(in_process=True)),
+        *((f"workers: {number}", Where(workers=number)) for number in (1, 2, 8)),
+    ):
+        with tempfile.TemporaryDirectory() as folder:
+            began = time.monotonic()
+            run_missing(campaign, Path(folder), where, lambda _: None)
+            taken = time.monotonic() - began
+        base = base or taken
+        print(f"| {name} | {taken:.1f} | {taken / base:.2f} |", flush=True)
+
+
+if __name__ == "__main__":
+    workers() if "workers" in sys.argv[1:] else shares()

@@ -1,0 +1,201 @@
+"""Many vehicles of one kind on the routes of a line, for campaigns: odometry as arrays, balises run by run."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from safeloc.config import Config
+from safeloc.errors import InputError
+from safeloc.language.system import TransitionSystem
+from safeloc.models.balise import simulate as balise_streams
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.line_runs.configs import SPEED_SHARE, LineVehicle, fitting
+from safeloc.models.line_runs.drive import STAND_S
+from safeloc.models.line_runs.route_choice import Chosen
+from safeloc.models.line_runs.ways import accuracies, groups, limits, markers
+from safeloc.models.odometry.many import Drives, figures_of, kinds_of, simulate_many
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.railway.map.routes import Route
+from safeloc.simulation import sensors
+from safeloc.simulation.faults import Fault, Kinds
+from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
+from safeloc.simulation.motion import Motion
+from safeloc.simulation.speed_profile import Halt, drive
+
+TOP, ROUTE = "top_share", "route"
+_TOP_FIGURE = DrawnFigure(
+    "share", 0.05, 1, 1.0, "share of the highest permitted speed at which it drives", discrete=True
+)
+
+
+@dataclass(frozen=True, eq=False)
+class OnLine:
+    """Vehicles of one kind on the routes of a line; each drives one route, any of them alike.
+
+    made_with, system  the configuration of their machine, and the machine with its world
+    """
+
+    vehicle: LineVehicle
+    routes: Sequence[Chosen]
+    made_with: Config
+    system: TransitionSystem
+
+    @cached_property
+    def _motions(self) -> dict[tuple[str, float, int], Motion]:
+        return {}
+
+    def motion(self, route: Route, top_share: float, gate_mm_s: int, period_ms: int, cycles: int) -> Motion:
+        """Return the motion from standstill to the end of the route, where it stands; or only its first cycles."""
+        key = route.name, top_share, cycles
+        if key not in self._motions:
+            self._motions[key] = self._driven(route, top_share, gate_mm_s, period_ms, cycles)
+        return self._motions[key]
+
+    def _driven(self, route: Route, top_share: float, gate_mm_s: int, period_ms: int, cycles: int) -> Motion:
+        top = min(self.vehicle.motion.max_speed_mm_s, int(gate_mm_s * SPEED_SHARE))
+        stand_s = max(STAND_S, cycles * period_ms / 1_000)
+        halts = [Halt(route.length_mm, stand_s, max(1, int(top * top_share)))]
+        motion = drive(self.vehicle.motion, halts, limits(route), period_ms)
+        return replace(motion, position_nm=motion.position_nm[:cycles], speed_mm_s=motion.speed_mm_s[:cycles])
+
+
+class OdometryOnLine(OnLine):
+    """Vehicles with the odometry machine, simulated as arrays."""
+
+    @cached_property
+    def config(self) -> OdometryConfig:
+        """The configuration of the machine."""
+        assert isinstance(self.made_with, OdometryConfig)
+        return self.made_with
+
+    @property
+    def period_ms(self) -> int:
+        """The length of a cycle."""
+        return self.config.period_ms
+
+    @property
+    def figures(self) -> Mapping[str, DrawnFigure]:
+        """The figures that may be drawn, by name."""
+        return {TOP: _TOP_FIGURE, **figures_of(self.config)}
+
+    @property
+    def kinds(self) -> Mapping[str | int, Kinds]:
+        """The places that may be faulty, each with its kinds of fault."""
+        return kinds_of(self.config)
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """No faults act for the whole run."""
+        return ()
+
+    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+        """Return the runs of the vehicles."""
+        taken = rng.integers(0, len(self.routes), drawn.vehicles)
+        parts: list[tuple[np.ndarray, ManyRuns]] = []
+        for number in np.unique(taken):
+            which = np.flatnonzero(taken == number)
+            parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles, rng)))
+        return _joined(parts, drawn.vehicles)
+
+    def _on_route(self, route: Route, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+        tops, of_vehicle = np.unique(drawn.figures[TOP], return_inverse=True)
+        gate, period = self.config.max_speed_mm_s, self.config.period_ms
+        places = [self.motion(route, float(top), gate, period, cycles).position_nm for top in tops]
+        known = accuracies(route, self.vehicle.national_mm, self.vehicle.detection_mm)
+        drives = Drives(np.stack(places, axis=1), of_vehicle)
+        return simulate_many(self.config, self.system, drives, markers(route), known, drawn, rng)
+
+
+class BaliseOnLine(OnLine):
+    """Vehicles with the balise machine, simulated one by one: what the map announces follows from what the machine asks for."""
+
+    @cached_property
+    def config(self) -> BaliseConfig:
+        """The configuration of the machine."""
+        assert isinstance(self.made_with, BaliseConfig)
+        return self.made_with
+
+    @property
+    def period_ms(self) -> int:
+        """The length of a cycle."""
+        return self.config.period_ms
+
+    @property
+    def figures(self) -> Mapping[str, DrawnFigure]:
+        """The figures that may be drawn, by name."""
+        return {
+            TOP: _TOP_FIGURE,
+            "missed": DrawnFigure("share", 0, 1, 0.0, "groups that the reader does not report"),
+            "foreign": DrawnFigure(
+                "share", 0, 1, 0.0, "cycles without another telegram that bring one of another track"
+            ),
+            "counted": DrawnFigure("share", 0, 1, 0.5, "readings with a latched counter"),
+            "odometer_dropout": DrawnFigure("share", 0, 1, 0.0, "cycles in which the odometer measures nothing"),
+        }
+
+    @property
+    def kinds(self) -> Mapping[str | int, Kinds]:
+        """The places that may be faulty: the odometer, and each group by its identity on board."""
+        met = {group.identity for one in self.routes for group in groups(one.route)}
+        return {"odometer": sensors.KINDS, **dict.fromkeys(sorted(met), balise_streams.KINDS)}
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """The groups: each has its fault for the whole run."""
+        return [place for place in self.kinds if isinstance(place, int)]
+
+    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+        """Return the runs of the vehicles."""
+        taken = rng.integers(0, len(self.routes), drawn.vehicles)
+        seeds = rng.integers(0, 2**63, drawn.vehicles)
+        streams = [
+            self._stream(self.routes[taken[run]].route, _some(drawn, np.array([run])), cycles, int(seeds[run]))
+            for run in range(drawn.vehicles)
+        ]
+        return ManyRuns(packed(self.system, streams, cycles))
+
+    def _stream(self, route: Route, one: Drawn, cycles: int, seed: int) -> balise_streams.Steps:
+        chosen = {name: float(values[0]) for name, values in one.figures.items()}
+        motion = self.motion(route, chosen[TOP], self.config.max_speed_mm_s, self.config.period_ms, cycles)
+        known = groups(route)
+        met = {group.identity for group in known}
+        return balise_streams.simulate(
+            self.config, seed=seed, motion=motion, groups=known, national_accuracy_mm=self.vehicle.national_mm,
+            dropout=chosen["odometer_dropout"], missed=chosen["missed"], foreign=chosen["foreign"], counted=chosen["counted"],
+            faults=[fault for fault in one.faults[0] if fault.where in met],
+            sensor_faults=[fault for fault in one.faults[0] if fault.where == "odometer"],
+        )  # fmt: skip
+
+
+ON_LINE: Mapping[str, type[OdometryOnLine | BaliseOnLine]] = {"odometry": OdometryOnLine, "balise": BaliseOnLine}
+"""Machines that a campaign drives along a line."""
+
+
+def configured(machine: str, vehicle: LineVehicle) -> OdometryConfig | BaliseConfig:
+    """Return the configuration of a machine for a vehicle; InputError for a machine that no campaign drives along a line."""
+    if machine not in ON_LINE:
+        raise InputError(f"a campaign drives no {machine} along a line; it drives {', '.join(ON_LINE)}.")
+    config = fitting(vehicle, machine)
+    assert isinstance(config, OdometryConfig | BaliseConfig)
+    return config
+
+
+def _some(drawn: Drawn, which: np.ndarray) -> Drawn:
+    faults: list[Sequence[Fault]] = [drawn.faults[run] for run in which]
+    return Drawn(len(which), {name: values[which] for name, values in drawn.figures.items()}, faults)
+
+
+def _joined(parts: Sequence[tuple[np.ndarray, ManyRuns]], vehicles: int) -> ManyRuns:
+    """Return the runs of several groups of vehicles, each at its own place."""
+    if len(parts) == 1:
+        return parts[0][1]
+    inputs = {}
+    for name, first in parts[0][1].inputs.items():
+        inputs[name] = np.empty((len(first), vehicles), first.dtype)
+        for which, part in parts:
+            inputs[name][:, which] = part.inputs[name]
+    return ManyRuns(inputs)

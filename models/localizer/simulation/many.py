@@ -1,0 +1,73 @@
+"""Many localizers on one of the example journeys, for campaigns: every vehicle draws its own errors and times of faults."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from safeloc.errors import InputError
+from safeloc.language.system import TransitionSystem
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer.simulation.journeys import NOMINAL
+from safeloc.models.localizer.simulation.simulate import KINDS, Journey, first_state, with_truth
+from safeloc.simulation.faults import Kinds
+from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
+from safeloc.simulation.motion import Leg
+
+
+def require_journey(name: str) -> None:
+    """Refuse the name of a journey that there is not."""
+    if name not in NOMINAL:
+        raise InputError(f"the localizer has no journey {name!r}; it has {', '.join(NOMINAL)}.")
+
+
+@dataclass(frozen=True, eq=False)
+class LocalizerJourneys:
+    """Localizers on one journey; `line` is its name, `system` the localizer with its world."""
+
+    config: LocalizerConfig
+    system: TransitionSystem
+    line: str
+
+    @property
+    def period_ms(self) -> int:
+        """The length of a cycle."""
+        return self.config.motion.period_ms
+
+    @property
+    def figures(self) -> Mapping[str, DrawnFigure]:
+        """The figures that may be drawn, by name."""
+        return {"satellites": DrawnFigure("satellites", 0, 32, NOMINAL[self.line].satellites, "satellites in view")}
+
+    @property
+    def kinds(self) -> Mapping[str | int, Kinds]:
+        """The journey itself, and each balise group by its identity."""
+        return {"": KINDS, **{group.identity: KINDS for group in NOMINAL[self.line].groups}}
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """None: a journey's fault of a group takes a time and does not heed it."""
+        return ()
+
+    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+        """Return the runs of the vehicles."""
+        seeds, nominal = rng.integers(0, 2**31, drawn.vehicles), NOMINAL[self.line]
+        nominal = replace(nominal, legs=_first(nominal.legs, cycles * self.period_ms / 1_000))
+        journeys: Sequence[Journey] = [
+            replace(nominal, satellites=round(drawn.figures["satellites"][run]), troubles=drawn.faults[run])
+            for run in range(drawn.vehicles)
+        ]
+        streams = [with_truth(self.config, one, seed=int(seed)) for one, seed in zip(journeys, seeds, strict=True)]
+        return ManyRuns(packed(self.system, streams, cycles), first_state(self.config, nominal))
+
+
+def _first(legs: Sequence[Leg], seconds: float) -> list[Leg]:
+    """Return the legs of the first seconds: what follows need not be simulated."""
+    kept: list[Leg] = []
+    for leg in legs:
+        if seconds > 0:
+            kept.append(replace(leg, seconds=min(leg.seconds, seconds)))
+        seconds -= leg.seconds
+    return kept

@@ -1,0 +1,283 @@
+"""What the shards of a campaign say: counts by DuckDB, and of every count an estimate with its interval."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import duckdb
+
+from safeloc.campaign.declaration import Campaign, Stratum
+from safeloc.campaign.scenes import scene_of
+from safeloc.campaign.shards import FOLDER
+from safeloc.campaign.statistics import (
+    Estimate,
+    Part,
+    mean_share,
+    proportion,
+    quantile_ranks,
+    rule_of_three,
+    shared_confidence,
+    stratified,
+    weighted_mean,
+)
+
+_LAWS = {"kept": "law kept", "broken": "law broken"}
+_STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
+_QUANTILES = (0.5, 0.95, 0.99)
+_SHARE_TOLD = "case when cycles > before_first then told / (cycles - before_first) else 0 end"
+
+
+class Results:
+    """The results of a campaign, from the files of its shards."""
+
+    def __init__(self, campaign: Campaign, folder: Path) -> None:
+        self._campaign, self._folder = campaign, folder
+        self._db = duckdb.connect()
+        files = str(folder / FOLDER / "*.parquet").replace("'", "''")
+        self._db.execute(f"create view rows_ as select * from read_parquet('{files}')")
+        self._confidence = campaign.declared.confidence
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the results as plain data (schema safeloc-campaign/1)."""
+        declared = self._campaign.declared
+        found: dict[str, Any] = {
+            "schema": "safeloc-campaign/1",
+            "machine": declared.machine,
+            "file": self._campaign.name,
+            "seed": declared.seed,
+            "confidence": declared.confidence,
+            "cycles_of_each_vehicle": declared.cycles,
+            "vehicle_cycles": self._one("select sum(cycles) from rows_ where row = 'vehicle'"),
+            "strata": [self._stratum(one) for one in self._campaign.strata],
+            "laws": self._laws(),
+            "clauses": self._clauses(),
+        }
+        answers: dict[str, Callable[[], list[dict[str, Any]]]] = {
+            "containment": self._containment,
+            "availability": self._availability,
+            "width": self._width,
+            "time to withdraw": lambda: self._times("withdrawn_after", "a fault begins"),
+            "reaction": lambda: self._times("reaction", "a law is broken"),
+        }
+        found["answers"] = {question: answers[question]() for question in declared.questions}
+        return found
+
+    # -------------------------------------------------------------- what was run
+
+    def _stratum(self, stratum: Stratum) -> dict[str, Any]:
+        scene = scene_of(self._campaign, stratum)
+        declared = self._campaign.figures_of(stratum)
+        figures = {
+            name: declared[name][0].words if name in declared else f"{one.default:g} {one.unit}"
+            for name, one in scene.simulation.figures.items()
+        }
+        faults = []
+        for fault in self._campaign.situation_of(stratum).faults:
+            begin = fault.begin.words if fault.begin else "the start"
+            lasts = f"lasts {fault.lasts.words}" if fault.lasts else "lasts to the end"
+            more = [f"{name} {one.words}" for name, one in fault.figures.items()]
+            faults.append("; ".join([f"{fault.kind} of {fault.where or 'all'}", f"begins at {begin}", lasts, *more]))
+        return {
+            "name": self._campaign.words_of(stratum),
+            "weight": stratum.weight,
+            "vehicles": stratum.vehicles,
+            "figures": figures,
+            "faults": faults,
+            "period_ms": scene.simulation.period_ms,
+        }
+
+    # -------------------------------------------------------------- the questions
+
+    def _containment(self) -> list[dict[str, Any]]:
+        return [
+            self._share_of_vehicles(f"{law}_wrong > 0", f"vehicles with a wrong interval, {words}")
+            for law, words in (("kept", "every law kept until then"), ("broken", "after a law was broken"))
+        ]
+
+    def _share_of_vehicles(self, event: str, what: str) -> dict[str, Any]:
+        """Return the share of vehicles with an event: in the whole, and in each stratum."""
+        rows = self._all(
+            f"select stratum, count(*) filter (where {event}), count(*) from rows_ where row = 'vehicle' group by stratum"
+        )
+        events = {stratum: (count, trials) for stratum, count, trials in rows}
+        strata = self._campaign.strata
+        whole = stratified([Part(one.weight, *events[one.number]) for one in strata], self._confidence)
+        return {
+            "what": what,
+            "unit": "share of vehicles",
+            "whole": _data(whole),
+            "strata": [
+                {
+                    "events": events[one.number][0],
+                    **_data(proportion(*events[one.number], self._confidence)),
+                    "says": self._zero(*events[one.number]),
+                }
+                for one in strata
+            ],
+        }
+
+    def _zero(self, events: int, trials: int) -> str:
+        return rule_of_three(trials, self._confidence) if events == 0 else f"{events} of {trials}"
+
+    def _availability(self) -> list[dict[str, Any]]:
+        return [
+            self._mean_of_vehicles(_SHARE_TOLD, "cycles with a report, from the first report on"),
+            self._share_of_vehicles("told = 0", "vehicles that never report"),
+        ]
+
+    def _mean_of_vehicles(self, share: str, what: str) -> dict[str, Any]:
+        """Return the mean over vehicles of a share of each: in the whole, and in each stratum."""
+        rows = self._all(
+            f"select stratum, sum(s), sum(s * s), count(*) from (select stratum, {share} as s from rows_ where row = 'vehicle') "
+            "group by stratum"
+        )
+        sums: dict[int, tuple[float, float, int]] = {
+            stratum: (one, square, number) for stratum, one, square, number in rows
+        }
+        strata = self._campaign.strata
+        each = shared_confidence(self._confidence, sum(one.weight > 0 for one in strata))
+        parts = [(one.weight, mean_share(*sums[one.number], each)) for one in strata]
+        return {
+            "what": what,
+            "unit": "mean share of cycles",
+            "whole": _data(weighted_mean(parts, self._confidence)),
+            "strata": [_data(mean_share(*sums[one.number], self._confidence)) for one in strata],
+        }
+
+    def _width(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "what": what,
+                "unit": "mm",
+                "strata": [self._quantiles(one, column, "told > 0") for one in self._campaign.strata],
+            }
+            for column, what in (
+                ("widest_mm", "greatest width of a vehicle's interval"),
+                ("width_sum_mm // told", "mean width of a vehicle's interval"),
+            )
+        ]
+
+    def _times(self, column: str, since: str) -> list[dict[str, Any]]:
+        strata = self._campaign.strata
+        beyond = 1 << 62
+        value = f"case when {column} = -1 then {beyond} else {column} end"
+        quantiles = [self._quantiles(one, value, f"{column} is not null", beyond) for one in strata]
+        return [
+            {
+                "what": f"time from the cycle in which {since} until nothing is reported, of vehicles that report before it",
+                "unit": "cycles",
+                "strata": quantiles,
+                "withdrawn": [self._withdrawn(one, column) for one in strata],
+            }
+        ]
+
+    def _withdrawn(self, stratum: Stratum, column: str) -> dict[str, Any] | None:
+        found = self._all(
+            f"select count(*) filter (where {column} >= 0), count(*) from rows_ where row = 'vehicle' and {column} is not null "
+            f"and stratum = {stratum.number}"
+        )[0]
+        if not found[1]:
+            return None
+        return {"events": found[0], **_data(proportion(found[0], found[1], self._confidence))}
+
+    def _quantiles(self, stratum: Stratum, value: str, where: str, beyond: int | None = None) -> dict[str, Any]:
+        """Return quantiles over the vehicles of a stratum, each with the interval of its order statistics."""
+        rows = f"from rows_ where row = 'vehicle' and stratum = {stratum.number} and {where}"
+        trials = self._one(f"select count(*) {rows}")
+        if not trials:
+            return {"trials": 0, "quantiles": []}
+
+        def ranked(rank: int | None) -> int | None:
+            if rank is None:
+                return None
+            found = self._one(f"select {value} {rows} order by {value} limit 1 offset {rank - 1}")
+            return None if found == beyond else int(found)
+
+        made = []
+        for share in _QUANTILES:
+            ranks = quantile_ranks(share, trials, self._confidence)
+            ends = {"value": ranked(ranks.at), "low": ranked(ranks.low), "high": ranked(ranks.high)}
+            made.append({"share": share, **ends, "confidence": self._confidence, "method": "order statistics"})
+        return {"trials": trials, "quantiles": made}
+
+    # -------------------------------------------------------------- laws kept and broken
+
+    def _laws(self) -> list[dict[str, Any]]:
+        return [
+            {
+                "law": _LAWS[law],
+                "interval": _STANDINGS[what],
+                "cycles": self._one(f"select sum({law}_{what}) from rows_ where row = 'vehicle'"),
+                **self._mean_of_vehicles(f"{law}_{what} / cycles", f"cycles: {_LAWS[law]}, {_STANDINGS[what]}"),
+            }
+            for law in _LAWS
+            for what in _STANDINGS
+        ]
+
+    def _clauses(self) -> list[dict[str, Any]]:
+        """Return how often each clause of the world is broken."""
+        rows = self._all(
+            "select name, stratum, sum(cycles), sum(vehicles) from rows_ where row = 'clause' group by name, stratum"
+        )
+        names = list(dict.fromkeys(name for name, *_ in sorted(rows)))
+        return [self._clause(name, {stratum: rest for one, stratum, *rest in rows if one == name}) for name in names]
+
+    def _clause(self, name: str, counts: Mapping[int, Sequence[int]]) -> dict[str, Any]:
+        parts = [
+            Part(one.weight, counts[one.number][1], one.vehicles)
+            for one in self._campaign.strata
+            if one.number in counts
+        ]
+        missing = len(parts) < len(self._campaign.strata)  # a clause of some vehicles' configuration only
+        return {
+            "name": name,
+            "cycles": sum(cycles for cycles, _ in counts.values()),
+            "vehicles": sum(vehicles for _, vehicles in counts.values()),
+            "whole": None if missing else _data(stratified(parts, self._confidence)),
+        }
+
+    # -------------------------------------------------------------- pictures
+
+    def stanford(self) -> list[tuple[int, int, str, int]]:
+        """Return cells of error and margin: x, y, contained or wrong, cycles."""
+        return self._all("select x, y, name, sum(cycles) from rows_ where row = 'stanford' group by all order by all")
+
+    def silent(self) -> int:
+        """Return the number of cycles without a report."""
+        return int(self._one("select sum(cycles - told) from rows_ where row = 'vehicle'"))
+
+    def along(self, stratum: Stratum) -> list[tuple[int, int, int, int, int]]:
+        """Return the stretches of a stratum: stretch, cycles, those with a report, mean and greatest width in mm."""
+        return self._all(
+            "select x, sum(cycles), sum(told), sum(width_sum_mm) // greatest(sum(told), 1), max(widest_mm) from rows_ "
+            f"where row = 'place' and stratum = {stratum.number} group by x order by x"
+        )
+
+    def times(self, stratum: Stratum, column: str) -> list[tuple[int, int]]:
+        """Return times (-1: not until the end) and the number of vehicles with each."""
+        return self._all(
+            f"select {column}, count(*) from rows_ where row = 'vehicle' and {column} is not null and stratum = {stratum.number} "
+            f"group by {column} order by {column}"
+        )
+
+    def worst(self, where: str, order: str, number: int) -> Iterator[tuple[int, int, int]]:
+        """Yield shard, place in the shard and cycle of the vehicles that come first in an order."""
+        yield from self._all(
+            f"select shard, vehicle, coalesce(first_wrong, least_margin_cycle) from rows_ where row = 'vehicle' and {where} "
+            f"order by {order}, shard, vehicle limit {number}"
+        )
+
+    def _all(self, text: str) -> list[Any]:
+        return self._db.execute(text).fetchall()
+
+    def _one(self, text: str) -> Any:
+        found = self._db.execute(text).fetchone()
+        assert found is not None
+        return found[0]
+
+
+def _data(estimate: Estimate) -> dict[str, Any]:
+    return asdict(estimate)

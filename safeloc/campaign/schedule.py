@@ -1,0 +1,196 @@
+"""Runs the shards of a campaign that are not there yet, in this process or on workers of Dask.
+
+A shard is handed out as text and number, comes back as bytes, and is written by this process. A worker that dies loses the shard
+that it runs, which another one runs again; this process, if it dies, loses those that are under way.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from safeloc.campaign.counted import wrong_cycles
+from safeloc.campaign.declaration import Campaign
+from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
+from safeloc.errors import EngineError, InputError
+from safeloc.proof.cache.engine import source_digest
+
+_AHEAD = 2
+"""Shards handed out for each thread of the workers: one runs, one waits, so that no worker waits for this process."""
+_PATIENCE_S = 20.0
+"""Time without a result after which it is asked whether there are workers."""
+ASKED = 10
+"""Times in a row without any worker after which local ones are started anew; a killed one starts again by itself before."""
+_ATTEMPTS = 1_000
+"""Workers that may die with one shard before it is given up; a worker killed now and then is no fault of the shard."""
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where shards run: in this process, on local worker processes, or on a cluster whose scheduler has an address."""
+
+    workers: int = 1
+    in_process: bool = False
+    scheduler: str | None = None
+
+
+@dataclass
+class Progress:
+    """How far a campaign is; shards that were there already count as done and not in the time."""
+
+    shards: int
+    done: int
+    cycles: int = 0
+    kept_wrong: int = 0
+    broken_wrong: int = 0
+    damaged: int = 0
+    ran: int = 0
+    began: float = field(default_factory=time.monotonic)
+
+    @property
+    def seconds_left(self) -> float | None:
+        """The time left at the pace so far; None before the first shard."""
+        return None if not self.ran else (time.monotonic() - self.began) / self.ran * (self.shards - self.done)
+
+
+Tell = Callable[[Progress], None]
+
+
+def run_missing(campaign: Campaign, folder: Path, where: Where, tell: Tell) -> Progress:
+    """Run every shard that is not in the folder, or damaged, or of another content; delete files that do not belong to the campaign."""
+    wanted = digests(campaign)
+    left, damaged = _left(folder, wanted)
+    progress = Progress(len(wanted), len(wanted) - len(left), damaged=damaged)
+    tell(progress)
+    cycles_of = {shard.number: (shard.end - shard.first) * campaign.declared.cycles for shard in campaign.shards}
+    for number, data in _results(campaign, left, where):
+        write_shard(folder, number, wanted[number], data)
+        kept, broken = wrong_cycles(data)
+        progress.done, progress.ran = progress.done + 1, progress.ran + 1
+        progress.cycles += cycles_of[number]
+        progress.kept_wrong, progress.broken_wrong = progress.kept_wrong + kept, progress.broken_wrong + broken
+        tell(progress)
+    return progress
+
+
+def _left(folder: Path, wanted: dict[int, str]) -> tuple[list[int], int]:
+    """Return the numbers of the shards to run, and how many files were damaged; files that are of no use are deleted."""
+    left, damaged = dict(wanted), 0
+    for file in shard_files(folder):
+        if wanted.get(file.number) == file.digest and file.sound:
+            left.pop(file.number, None)
+            continue
+        damaged += wanted.get(file.number) == file.digest
+        file.path.unlink()
+    return sorted(left), damaged
+
+
+def _results(campaign: Campaign, left: Sequence[int], where: Where) -> Iterator[tuple[int, bytes]]:
+    if where.in_process or not left:
+        yield from ((number, run_shard(campaign.text, campaign.name, number)) for number in left)
+    else:
+        with _client(where) as (client, revive):
+            yield from _on_workers(client, revive, campaign, left)
+
+
+def _on_workers(
+    client: Any, revive: Callable[[], None], campaign: Campaign, left: Sequence[int]
+) -> Iterator[tuple[int, bytes]]:
+    """Yield the shards as they are done; only a few are handed out at once, so that the scheduler stays small."""
+    _, distributed = _dask()
+
+    def handed_out(number: int) -> Any:
+        return client.submit(_numbered, campaign.text, campaign.name, number, pure=False)
+
+    waiting = iter(left)
+    threads = max(1, sum(client.nthreads().values()))
+    running = {handed_out(number) for number in islice(waiting, _AHEAD * threads)}
+    while running:
+        try:
+            done, running = distributed.wait(running, timeout=_PATIENCE_S, return_when="FIRST_COMPLETED")
+        except TimeoutError:
+            revive()
+            continue
+        for future in done:
+            yield future.result()
+            running |= {handed_out(number) for number in islice(waiting, 1)}
+
+
+def _numbered(text: str, name: str, number: int) -> tuple[int, bytes]:
+    return number, run_shard(text, name, number)
+
+
+def _dask() -> tuple[Any, Any]:
+    """Return the settings of Dask, and its scheduling of several computers. InputError without Dask."""
+    try:
+        import dask.config
+        import distributed
+    except ImportError as error:
+        raise InputError("workers need Dask: install safeloc[campaign], or run with --in-process.") from error
+    return dask.config, distributed
+
+
+@contextmanager
+def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
+    """Yield a client of the cluster, or of local workers that end with it; and what starts workers that are gone for good.
+
+    InputError without Dask, or without the scheduler.
+    """
+    config, distributed = _dask()
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    settings = {
+        "distributed.scheduler.allowed-failures": _ATTEMPTS,
+        "distributed.deploy.lost-worker-timeout": "1 hour",  # a killed worker starts again by itself, on a busy computer slowly
+    }
+    with config.set(settings):
+        if where.scheduler is not None:
+            try:
+                client = distributed.Client(where.scheduler, timeout="20s")
+            except (OSError, ValueError) as error:
+                raise InputError(f"--scheduler {where.scheduler}: no scheduler answers there: {error}.") from error
+            with client:
+                _refuse_others(client)
+                yield client, lambda: None
+        else:
+            cluster = distributed.LocalCluster(
+                n_workers=where.workers,
+                threads_per_worker=1,
+                dashboard_address=None,
+                memory_limit=0,
+                silence_logs=logging.CRITICAL,
+            )
+            with cluster, distributed.Client(cluster) as client:
+                yield client, Revival(client, cluster, where.workers)
+
+
+@dataclass
+class Revival:
+    """Starts local workers anew where all are gone for good: each call asks whether there is one."""
+
+    client: Any
+    cluster: Any
+    workers: int
+    times: int = 0
+
+    def __call__(self) -> None:
+        self.times = 0 if self.client.nthreads() else self.times + 1
+        if self.times == ASKED:
+            self.times = 0
+            self.cluster.scale(0)
+            self.cluster.scale(self.workers)
+
+
+def _refuse_others(client: Any) -> None:
+    """Refuse workers with another safeloc, whose shards would be others."""
+    found = client.run(source_digest)
+    if not found:
+        raise InputError("the scheduler has no workers; start some, for example with `dask worker ADDRESS`.")
+    strange = [worker for worker, digest in found.items() if digest != source_digest()]
+    if strange:
+        raise EngineError(f"worker {strange[0]} has another safeloc; install the same one everywhere.")

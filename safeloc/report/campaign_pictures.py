@@ -1,0 +1,126 @@
+"""Pictures of a campaign: Stanford diagram, width along the line, time until nothing is reported."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from safeloc.report.drawing import (
+    LEFT,
+    PALETTE,
+    RIGHT,
+    Axis,
+    across_axis,
+    legend,
+    line,
+    picture,
+    stroke_swatch,
+    upright_axis,
+    word,
+)
+from safeloc.report.stanford import Report, Reports, stanford_diagram
+from safeloc.report.thinning import Point
+
+_TOP, _TALL = 28, 260
+_COLOURS = PALETTE[1:]
+_STYLE = (
+    "<style>.picture text{font:11px system-ui,sans-serif;fill:#222}.picture .frame{fill:none;stroke:#c8ced3}"
+    ".picture path.ink{stroke:#222}.picture .grid{stroke:#c8ced3;stroke-dasharray:3 4}.picture{background:#fff}</style>"
+)
+
+
+def stanford_of_cells(
+    cells: Sequence[tuple[int, int, str, int]], silent: int, limit_mm: int, cells_to_limit: int, title: str
+) -> str:
+    """Return the Stanford diagram of counted cells: error, margin, contained or wrong, vehicle-cycles."""
+    size = limit_mm / cells_to_limit
+    made = []
+    for x, y, name, cycles in cells:
+        error, margin = (x + 0.5) * size, (y + 0.5) * size
+        if name == "contained":
+            error = min(error, margin)
+        else:
+            error = max(error, margin + size / 10)
+        made.append(Report(error, margin, cycles))
+    return stanford_diagram(Reports(tuple(made), silent, 0), limit_mm, title)
+
+
+def width_along_line(
+    stretches: Mapping[str, Sequence[tuple[int, int, int, int, int]]], step_mm: int, title: str
+) -> str:
+    """Return mean (full) and greatest (broken line) width of the interval in stretches of the line, a colour for each stratum.
+
+    stretches  stretch, cycles, those with a report, mean and greatest width in mm
+    """
+    told = {name: [one for one in rows if one[2]] for name, rows in stretches.items()}
+    every = [one for rows in told.values() for one in rows]
+    if not every:
+        return ""
+    across = Axis(min(one[0] for one in every) * step_mm, (max(one[0] for one in every) + 1) * step_mm, LEFT, RIGHT)
+    up = Axis(0, max(one[4] for one in every) * 1.1 + 1, _TOP + _TALL, _TOP)
+    made, keys = [upright_axis(up, "width in m")], []
+    for colour, (name, rows) in zip(_cycle(len(told)), told.items(), strict=True):
+        for column, dash in ((3, ""), (4, "5 3")):
+            points = [Point(across.at((one[0] + 0.5) * step_mm), up.at(one[column])) for one in rows]
+            made.append(line([points], colour, kind="width", dash=dash))
+        keys.append(stroke_swatch(colour, name))
+    made.append(across_axis(across, up.begin, "place in m"))
+    drawn, y = legend([*keys, stroke_swatch("#222", "mean"), stroke_swatch("#222", "greatest", "5 3")], up.begin + 62)
+    return picture([*made, drawn], y, title)
+
+
+def times_until_silent(
+    times: Mapping[str, Sequence[tuple[int, int]]], period_ms: Mapping[str, int], confidence: float, title: str
+) -> str:
+    """Return the share of vehicles that report nothing any more after some time, with the band that holds at all times at once (DKW).
+
+    times  of each stratum: cycles (-1: not until the end of the run), vehicles
+    """
+    known = {name: rows for name, rows in times.items() if rows}
+    ends = [cycles * period_ms[name] for name, rows in known.items() for cycles, _ in rows if cycles >= 0]
+    if not known:
+        return ""
+    across, up = Axis(0, max(ends, default=0) * 1.05 + 1_000, LEFT, RIGHT), Axis(0, 1.02, _TOP + _TALL, _TOP)
+    made, keys = [upright_axis(up, "share of vehicles", unit=1)], []
+    for colour, (name, rows) in zip(_cycle(len(known)), known.items(), strict=True):
+        total = sum(vehicles for _, vehicles in rows)
+        room = math.sqrt(math.log(2 / (1 - confidence)) / (2 * total))
+        points = _steps(
+            [(cycles * period_ms[name], vehicles) for cycles, vehicles in rows if cycles >= 0], total, across.high
+        )
+        made.append(_around(points, room, across, up, colour))
+        made.append(line([[Point(across.at(x), up.at(y)) for x, y in points]], colour, kind="withdrawn"))
+        keys.append(stroke_swatch(colour, f"{name}: {total} vehicles"))
+    made.append(across_axis(across, up.begin, "time in s"))
+    drawn, y = legend(keys, up.begin + 62)
+    band_says = (
+        f"shaded: the band that holds the whole curve at {confidence * 100:g} % (Dvoretzky, Kiefer, Wolfowitz, Massart)"
+    )
+    return picture([*made, drawn, word(LEFT, y + 8, band_says, soft=True)], y + 22, title)
+
+
+def _around(points: Sequence[tuple[float, float]], room: float, across: Axis, up: Axis, colour: str) -> str:
+    """Return the band around a curve of steps, which is of steps too."""
+    above = [(across.at(x), up.at(min(1.0, y + room))) for x, y in points]
+    below = [(across.at(x), up.at(max(0.0, y - room))) for x, y in reversed(points)]
+    corners = " ".join(f"{x:.1f},{y:.1f}" for x, y in [*above, *below])
+    return f'<polygon points="{corners}" fill="{colour}" fill-opacity=".22" class="confidence"/>'
+
+
+def _steps(times: Sequence[tuple[int, int]], total: int, end: float) -> list[tuple[float, float]]:
+    points, share = [(0.0, 0.0)], 0.0
+    for time, vehicles in times:
+        points.append((float(time), share))
+        share += vehicles / total
+        points.append((float(time), share))
+    return [*points, (end, share)]
+
+
+def _cycle(number: int) -> list[str]:
+    return [_COLOURS[index % len(_COLOURS)] for index in range(number)]
+
+
+def with_style(drawn: str) -> str:
+    """Return a picture with its style, for a file of its own and for the page."""
+    head, _, rest = drawn.partition(">")
+    return f"{head}>{_STYLE}{rest}\n"

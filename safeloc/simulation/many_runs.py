@@ -1,0 +1,139 @@
+"""Runs of many vehicles at once: inputs of a machine as arrays, and what of a simulation a campaign may draw.
+
+A simulation of many vehicles (ManySimulation) names the figures that it takes, each with unit and range, and the places with their
+kinds of fault. Faults are those of the single run (safeloc.simulation.faults).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.errors import InputError
+from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.interpret import admitted
+from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.units import Enumeration
+from safeloc.runtime.streams.steps import Cell
+from safeloc.simulation.faults import Fault, Kinds
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class DrawnFigure:
+    """A figure of a simulation that may differ from vehicle to vehicle.
+
+    discrete  each value costs a computation of its own, so that only single values may be drawn
+    """
+
+    unit: str
+    low: float
+    high: float
+    default: float
+    what: str
+    discrete: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What was drawn of each vehicle: figures (name -> array [vehicle]) and faults."""
+
+    vehicles: int
+    figures: Mapping[str, NDArray[np.float64]]
+    faults: Sequence[Sequence[Fault]]
+
+
+@dataclass(frozen=True, eq=False)
+class ManyRuns:
+    """Inputs of many runs, ghosts included: name -> array [cycle, vehicle], with `name.present` of optional ones.
+
+    first  values of open state variables: name -> value or array [vehicle]
+    """
+
+    inputs: Mapping[str, Array]
+    first: Mapping[str, Array | Value] = field(default_factory=dict)
+
+
+class ManySimulation(Protocol):
+    """A simulation of many vehicles of one kind on one line."""
+
+    @property
+    def figures(self) -> Mapping[str, DrawnFigure]:
+        """The figures that may be drawn, by name."""
+        ...
+
+    @property
+    def kinds(self) -> Mapping[str | int, Kinds]:
+        """The places that may be faulty, each with its kinds of fault."""
+        ...
+
+    @property
+    def timeless(self) -> Collection[str | int]:
+        """Those of these places whose faults act for the whole run."""
+        ...
+
+    @property
+    def period_ms(self) -> int:
+        """The length of a cycle."""
+        ...
+
+    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+        """Return the runs of the vehicles; the same for the same draws and the same state of the generator."""
+        ...
+
+
+def absent_everywhere(system: TransitionSystem, cycles: int, vehicles: int) -> dict[str, Array]:
+    """Return arrays for all inputs, in which optional ones are absent and the others have the value nearest to zero, or false."""
+    return {var.name: np.full((cycles, vehicles), _rest(var)) for var in system.inputs}
+
+
+def _rest(var: Var) -> np.int64 | np.bool_:
+    return np.bool_(False) if isinstance(var, BoolVar) else np.int64(canonical(var))
+
+
+def packed(system: TransitionSystem, streams: Sequence[Sequence[Mapping[str, Cell]]], cycles: int) -> dict[str, Array]:
+    """Return step streams as arrays, a vehicle each, up to `cycles` cycles; names that no input has are remarks.
+
+    Ranges are not checked here. InputError for a shorter stream, a missing input, and a value of another kind.
+    """
+    short = [len(stream) for stream in streams if len(stream) < cycles]
+    if short:
+        raise InputError(f"{system.name}: a simulated run has {short[0]} cycles; ask for no more than that.")
+    flags = {option.present.name: option.value.name for option in system.optionals}
+    needed = {var.name for var in system.inputs} - flags.keys() - set(flags.values())
+    inputs, kinds = absent_everywhere(system, cycles, len(streams)), {var.name: _Kind(var) for var in system.inputs}
+    present = {name: inputs[flag] for flag, name in flags.items()}
+    for run, stream in enumerate(streams):
+        for cycle, step in enumerate(stream[:cycles]):
+            if not needed <= step.keys():
+                raise InputError(f"{system.name}: input {min(needed - step.keys())!r} is missing in a simulated step.")
+            for name, cell in step.items():
+                if name in kinds:
+                    inputs[name][cycle, run] = kinds[name].value(cell)
+                    if name in present:
+                        present[name][cycle, run] = True
+    return inputs
+
+
+class _Kind:
+    """The kind of an input: whole number, truth value, or member of an enumeration, whose label becomes its number."""
+
+    def __init__(self, var: Var) -> None:
+        self._var = var
+        self._type = bool if isinstance(var, BoolVar) else int
+        members = var.unit.members if isinstance(var, NumVar) and isinstance(var.unit, Enumeration) else ()
+        self._labels = {label: number for number, label in enumerate(members)}
+
+    def value(self, cell: Cell) -> int:
+        """Return the value as arrays hold it."""
+        if type(cell) is self._type:
+            return cell
+        if isinstance(cell, str) and cell in self._labels:
+            return self._labels[cell]
+        return admitted(self._var, cell)  # refuses it, with the reason

@@ -1,0 +1,84 @@
+"""Machines that are simulated vehicle by vehicle: balises on a line, and the localizer on its journeys."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from safeloc.campaign.declaration import parse_campaign
+from safeloc.campaign.judged import judge_of
+from safeloc.campaign.scenes import check_strata, drawn_runs
+from safeloc.errors import InputError
+from tests.campaign.declared import ON_VALLEY, SMALL
+
+BALISE = (
+    ON_VALLEY.replace('"odometry"', '"balise"')
+    .replace("vehicles = 3", "vehicles = 1")
+    .replace('"front_wheel"', '"odometer"')
+)
+LOCALIZER = """machine = "localizer"
+cycles = 1000
+shard_vehicles = 1
+[[lines]]
+line = "main-line"
+[[situations]]
+name = "spoofed"
+weight = 1.0
+vehicles = 1
+[[situations.faults]]
+kind = "spoofing"
+begin = { distribution = "fixed", value = 800, unit = "cycles" }
+lasts = { distribution = "fixed", value = 10, unit = "s" }
+"""
+
+
+@pytest.mark.thorough
+def test_a_sliding_odometer_breaks_the_law_of_the_balise_machine() -> None:
+    """Without a fault every clause holds; the slide breaks the odometer's law as it begins, or within a second."""
+    campaign = parse_campaign(BALISE, "c.toml")
+    check_strata(campaign)
+    for shard, struck in zip(campaign.shards, (False, True), strict=True):
+        scene, drawn, runs = drawn_runs(campaign, shard)
+        found = judge_of(scene.target).outcome(runs)
+        assert struck == bool(found.broken.any())
+        if struck:
+            assert 0 <= found.broken[:, 0].argmax() - drawn.faults[0][0].begin < 10
+
+
+@pytest.mark.slow
+def test_a_spoofed_localizer_is_counted_as_hazardous() -> None:
+    """The truth of a journey that breaks laws is known too, and says which law was broken and when the interval was wrong."""
+    campaign = parse_campaign(LOCALIZER, "c.toml")
+    check_strata(campaign)
+    scene, _, runs = drawn_runs(campaign, campaign.shards[0])
+    judge = judge_of(scene.target)
+    found = judge.outcome(runs)
+    broken = [name for name, held in zip(judge.clauses, found.held, strict=True) if not held.all()]
+    assert broken == ["position: a solution is off by no more than its signals make of it"]
+    assert found.broken[:, 0].argmax() in range(799, 803)
+    assert (found.told & (found.margin_nm < 0) & found.broken).any()
+
+
+def test_a_journey_that_there_is_not_is_refused() -> None:
+    """The lines of the localizer are its journeys."""
+    with pytest.raises(InputError, match=r"c\.toml:4: lines\.0: the localizer has no journey 'x'; it has metro"):
+        check_strata(parse_campaign(LOCALIZER.replace('"main-line"', '"x"'), "c.toml"))
+
+
+def test_a_run_that_is_too_short_is_refused() -> None:
+    """What `simulate` returns bounds the cycles."""
+    campaign = parse_campaign(SMALL.replace("cycles = 150", "cycles = 201"), "c.toml")
+    with pytest.raises(InputError, match=r"^odometer: a simulated run has 200 cycles; ask for no more"):
+        drawn_runs(campaign, campaign.shards[0])
+
+
+def test_every_vehicle_draws_by_itself() -> None:
+    """Speeds, errors and faults differ between vehicles of a shard, and are the same when it is drawn again."""
+    campaign = parse_campaign(ON_VALLEY.replace("vehicles = 3", "vehicles = 20"), "c.toml")
+    _, drawn, runs = drawn_runs(campaign, campaign.shards[1])
+    _, again, same = drawn_runs(campaign, campaign.shards[1])
+    assert {0.9, 1.0} == set(drawn.figures["top_share"])
+    assert len({faults[0].begin for faults in drawn.faults}) > 10
+    assert len({tuple(column) for column in runs.inputs["front_wheel_mm"].T}) == 20
+    assert drawn.faults == again.faults
+    assert all(np.array_equal(values, same.inputs[name]) for name, values in runs.inputs.items())

@@ -1,0 +1,44 @@
+"""Pictures of campaigns show what was counted, and the band of a curve as steps."""
+
+from __future__ import annotations
+
+import re
+
+from safeloc.report.campaign_pictures import stanford_of_cells, times_until_silent, width_along_line, with_style
+
+
+def test_cells_keep_their_standing() -> None:
+    """Counts go to their regions; a wrong interval on the diagonal stays below it, a contained one above."""
+    cells = [(3, 3, "contained", 70), (3, 3, "wrong", 2), (90, 20, "wrong", 1), (0, 60, "contained", 4)]
+    drawn = stanford_of_cells(cells, 5, 50_000, 50, "all")
+    for words in (
+        "nominal: 70",
+        "misleading: 2",
+        "hazardous: 1",
+        "unavailable: 9",
+        "nothing reported in 5 of 82 steps",
+    ):
+        assert words in drawn
+    assert stanford_of_cells([], 5, 50_000, 50, "all") == ""
+
+
+def test_the_curve_ends_at_those_that_withdrew_and_its_band_is_of_steps() -> None:
+    """Three of four vehicles withdrew: at 1 s one, at 2 s two; the band has two corners for each corner of the curve."""
+    drawn = times_until_silent({"a": [(-1, 1), (10, 1), (20, 2)]}, {"a": 100}, 0.95, "times")
+    assert "a: 4 vehicles" in drawn
+    [corners] = re.findall(r'<polygon points="([^"]*)"', drawn)
+    assert 2 * 6 == len(corners.split())
+    [path] = re.findall(r'<path d="M([^"]*)" fill="none"[^>]*class="withdrawn"', drawn)
+    heights = [float(point.split()[1]) for point in path.split("L")]
+    assert heights[0] > heights[-1] > 28
+    assert times_until_silent({"a": []}, {"a": 100}, 0.95, "times") == ""
+
+
+def test_widths_are_drawn_where_something_is_reported() -> None:
+    """A stretch without a report is left out; without any there is no picture."""
+    drawn = width_along_line(
+        {"a": [(0, 10, 10, 4_000, 6_000), (1, 10, 0, 0, 0), (2, 10, 5, 5_000, 9_000)]}, 50_000, "w"
+    )
+    assert 2 == drawn.count('class="width"')
+    assert "<style>" in with_style(drawn)
+    assert width_along_line({"a": [(1, 10, 0, 0, 0)]}, 50_000, "w") == ""
