@@ -71,7 +71,7 @@ def test_the_commands_are_these() -> None:
     """None is lost or added by accident."""
     names = (
         "init list docs import audit drive guard export simulate run recheck migrate cache prove explain test replay step report open mutate cores "
-        "margins faults verify"
+        "margins campaign faults verify"
     )
     assert names.split() == list(COMMANDS)
 
