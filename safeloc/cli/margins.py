@@ -7,7 +7,7 @@ from typing import Annotated, cast, get_args
 
 import typer
 
-from safeloc.assurance.margins.asking import Answer, Where, chosen_claims
+from safeloc.assurance.margins.asking import Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, chosen_figures
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit
 from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data
@@ -62,7 +62,7 @@ def margins(
     figures, store = chosen_figures(loaded, figure), store_in(cache)
     asked, look_in = chosen_claims(loaded, only), None if fresh else store
     work = Margins(loaded, cast(Where, where), asked, Limits(seconds=seconds), jobs, look_in, store)
-    _refuse_if_it_fails(work.asking().as_it_is())
+    _refuse_if_one_fails(work, quiet=as_json)
     if pair:
         _fronts(work, pair, as_json=as_json)
         return
@@ -76,12 +76,17 @@ def margins(
         raise typer.Exit(EXIT_CODES["unknown"])
 
 
-def _refuse_if_it_fails(now: Answer) -> None:
-    if now.end != "proved":
-        raise InputError(
-            f"there is no margin to find: {now.claim!r} is {now.end} with the figures as they are (`safeloc prove`); "
-            "give the claims that have to hold with --property."
-        )
+def _refuse_if_one_fails(work: Margins, *, quiet: bool) -> None:
+    """Prove all claims with the figures as they are; InputError if one is not proved."""
+    with Progressing(len(work.claims), quiet=quiet) as progress:
+        progress.say(f"{work.target.name} as it is", len(work.claims))
+        for claim, verdict in work.as_it_is():
+            progress.tick(f"{verdict:8} {claim}")
+            if verdict != "proved":
+                raise InputError(
+                    f"there is no margin to find: {claim!r} is {verdict} with the figures as they are (`safeloc prove`); "
+                    "give the claims that have to hold with --property."
+                )
 
 
 def _found(work: Margins, figures: Sequence[Figure], *, quiet: bool) -> list[Limit]:

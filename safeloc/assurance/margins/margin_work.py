@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, get_args
 
+from safeloc.assurance.evidence.interval import claims_of
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
+from safeloc.assurance.margins import rests_on
 from safeloc.assurance.margins.asking import Answer, Asking, Where
 from safeloc.assurance.margins.figures import Figure
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit
+from safeloc.assurance.margins.rests_on import RestsOn
+from safeloc.language.spec import Property, observe
+from safeloc.language.verdict import Proved, word
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.proof.provers.limits import CLOCK, Limits
+from safeloc.proof.provers.portfolio import prove_one, proved_base
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
-_KIND = "margins"
+_KIND, _AS_IT_IS = "margins", "claims before margins"
+_QUESTIONS_AS_IT_IS = 10
+"""Questions with the full limit that one claim takes, with those about what it rests on, that the clock allows for."""
 _QUESTIONS = 60
 """Questions of one search that the clock allows for; a search over a range of 2**31 asks some 50."""
 POINTS = 8
@@ -30,6 +38,7 @@ class Margins:
     where   where the figures move
     claims  names of the claims that have to hold
     limits  bounds of the provers, for each claim at each value
+    rests_on  what of the world each claim rests on, once `as_it_is` has told it
     """
 
     target: Target
@@ -39,10 +48,38 @@ class Margins:
     jobs: int = 2
     look_in: Store | None = None
     keep_in: Store | None = None
+    rests_on: dict[str, RestsOn | None] = field(default_factory=dict)
 
     def asking(self) -> Asking:
         """Return one who asks about the target."""
-        return Asking(self.target, self.where, self.limits, self.claims)
+        return Asking(self.target, self.where, self.limits, self.claims, self.rests_on)
+
+    def as_it_is(self) -> Iterator[tuple[str, str]]:
+        """Yield each claim with its verdict with the figures as they are; without all of them proved there is no margin to find.
+
+        What of the world each claim rests on is noted, so that a claim is asked again only where that has moved.
+        """
+        claims = {prop.name: prop for prop in claims_of(self.target) if prop.name in self.claims}
+
+        def batches(left: Sequence[str]) -> list[Batch]:
+            proved_base(self.target.system, self.limits)
+            return [Batch((name,), self._task_as_it_is(claims[name])) for name in left]
+
+        key = asked(self.target, _AS_IT_IS, self.limits).key
+        for name, found in kept_or_done(
+            [*claims], batches, Keeping(_AS_IT_IS, key, self.look_in, self.keep_in), self.jobs
+        ):
+            if not isinstance(found, Lost):
+                self.rests_on[name] = rests_on.from_data(found["rests_on"])
+            yield name, "unknown" if isinstance(found, Lost) else found["verdict"]
+
+    def _task_as_it_is(self, prop: Property) -> Task:
+        def work() -> list[dict[str, Any]]:
+            verdict = prove_one(observe(self.target.system, replace(prop, kept_by=None)), self.limits)
+            used = rests_on.rests_on(self.target.system, prop, self.limits) if isinstance(verdict, Proved) else None
+            return [{"verdict": word(verdict), "rests_on": rests_on.to_data(used)}]
+
+        return Task(prop.name, work, 2 * CLOCK * _QUESTIONS_AS_IT_IS * self.limits.seconds)
 
     def singles(self, figures: Sequence[Figure]) -> Iterator[Limit]:
         """Yield the limits of each figure up and down, as they are found."""

@@ -22,7 +22,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.target import Target
 from tests.cli.calling import Call, caller
 
-EXAMPLE = Path("docs/examples/marked_line.py")
+EXAMPLE, TWO_READERS = Path("docs/examples/marked_line.py"), Path("docs/examples/two_readers.py")
 LIMITS = Limits(seconds=10)
 
 
@@ -58,6 +58,30 @@ def test_the_longest_stretch_of_other_figures(tmp_path: Path, constant: int, rat
     layout = LayoutConfig(odometry_constant_mm=constant, odometry_rate_ppm=rate, tolerance_mm=tolerance)
     found = limit_of(load_target(f"{EXAMPLE}:machine", tmp_path / "line.toml"), "stretch_mm", "up", "design")
     assert longest_stretch(layout) == found.holds_to
+
+
+def worst_run(length: int, distance: int) -> int:
+    """Closed form, for 0 < L < D: no run between readings of a front and a rear reader reaches this; every shorter one occurs."""
+    return max(length, distance - length)
+
+
+@pytest.mark.parametrize(("length", "distance"), [(204_700, 500_000), (100_000, 550_000)])
+@pytest.mark.parametrize(
+    ("name", "way"), [("vehicle_length_mm", "up"), ("vehicle_length_mm", "down"), ("marker_distance_mm", "up")]
+)
+def test_two_readers_run_as_far_as_the_closed_form_says(
+    tmp_path: Path, length: int, distance: int, name: str, way: Direction
+) -> None:
+    """max(L, D - L) against the longest run that the tolerance allows: proved up to it, a run beyond it."""
+    given = {"vehicle_length_mm": length, "marker_distance_mm": distance}
+    law = {"constant_mm": 5_000, "rate_ppm": 50_000, "tolerance_mm": 30_000}
+    text = "\n".join(f"{one} = {value}" for one, value in {**given, **law}.items())
+    (tmp_path / "vehicle.toml").write_text(text, encoding="utf-8")
+    found = limit_of(load_target(f"{TWO_READERS}:machine", tmp_path / "vehicle.toml"), name, way, "world")
+    bound = longest_stretch(LayoutConfig()) + 1
+    at, beyond = ({**given, name: value} for value in (found.holds_to, found.holds_to + (1 if way == "up" else -1)))
+    assert worst_run(*at.values()) <= bound < worst_run(*beyond.values())
+    assert found.end.end == "broken"
 
 
 def test_a_figure_of_the_machine_alone_does_not_move_the_world(line: Target) -> None:
@@ -193,7 +217,7 @@ def test_a_claim_that_fails_as_it_is_leaves_no_margin(call: Call, tmp_path: Path
     (tmp_path / "long.toml").write_text(short, encoding="utf-8")
     told = call("margins", f"{EXAMPLE}:machine", "--config", str(tmp_path / "long.toml"), "--cache", str(tmp_path))
     assert told.code == 2
-    assert "there is no margin to find: 'a position everywhere' is broken" in " ".join(told.err.split())
+    assert "there is no margin to find: 'a position everywhere' is violated" in " ".join(told.err.split())
 
 
 def test_data_of_a_limit_come_back() -> None:
