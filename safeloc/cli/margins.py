@@ -9,8 +9,9 @@ import typer
 
 from safeloc.assurance.margins.asking import Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, chosen_figures
+from safeloc.assurance.margins.kept_margins import keep_margins
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit
-from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data
+from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data, row
 from safeloc.assurance.margins.margin_work import Margins, front
 from safeloc.catalogue import load_target
 from safeloc.cli.console import out, print_json
@@ -67,6 +68,8 @@ def margins(
         _fronts(work, pair, as_json=as_json)
         return
     limits = _found(work, figures, quiet=as_json)
+    if figure is None and only is None:
+        keep_margins(store, loaded, work.where, [row(one) for one in limits])
     if as_json:
         print_json(margins_data(work, limits))
     else:

@@ -31,28 +31,30 @@ def in_words(one: Limit) -> str:
             return "holds to the end of the range" + (f": {one.end.why}" if one.end.why else "")
 
 
+def row(one: Limit) -> dict[str, Any]:
+    """Return a limit as plain data, without the run that breaks a claim."""
+    return {
+        "figure": one.figure.name,
+        "unit": one.figure.unit,
+        "value": one.figure.value,
+        "direction": one.direction,
+        "holds_to": one.holds_to,
+        "margin": one.margin,
+        "beyond": one.beyond,
+        "broken_at": one.broken_at,
+        "proved_why": one.proved_why,
+        "end": one.end.end,
+        "claim": one.end.claim,
+        "in_words": in_words(one),
+    }
+
+
 def margins_data(margins: Margins, limits: Sequence[Limit]) -> dict[str, Any]:
     """Return the limits as data for JSON, with the run that breaks a claim."""
-    rows = [
-        {
-            "figure": one.figure.name,
-            "unit": one.figure.unit,
-            "value": one.figure.value,
-            "direction": one.direction,
-            "holds_to": one.holds_to,
-            "margin": one.margin,
-            "beyond": one.beyond,
-            "broken_at": one.broken_at,
-            "proved_why": one.proved_why,
-            "end": asdict(one.end),
-            "in_words": in_words(one),
-        }
-        for one in limits
-    ]
     return {
         "schema": SCHEMA,
         "target": margins.target.name,
         "where": margins.where,
         "claims": list(margins.claims),
-        "limits": rows,
+        "limits": [{**row(one), "end": asdict(one.end)} for one in limits],
     }
