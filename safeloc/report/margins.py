@@ -7,7 +7,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from safeloc.assurance.margins.asking import UNMOVED
 from safeloc.report.drawing import (
     BLUE,
     GREY,
@@ -69,7 +68,7 @@ def first_page_row(name: str, margins: _Data | None) -> dict[str, Any]:
 
 
 def _is_unmoved(one: _Data) -> bool:
-    return bool(one["proved_why"] == UNMOVED)
+    return bool(one["unmoved"])
 
 
 def _relative(one: _Data) -> float:
@@ -130,7 +129,7 @@ def _factors(bottom: float) -> Iterator[str]:
         yield f'<path d="M{x:.1f} {_TOP - 6}V{bottom:.1f}" class="grid"/>' + word(
             x, bottom + 16, f"{factor:g}", anchor="middle"
         )
-    yield upright(_OWN, _TOP - 6, bottom, "", kind="own", dash="")
+    yield upright(_OWN, _TOP - 6, bottom, "", kind="ink", dash="")
 
 
 def _bar(row: _Data, y: float) -> Iterator[str]:
@@ -178,3 +177,15 @@ def _axis(values: Sequence[float], begin: float, end: float) -> Axis:
     low, high = min(values), max(values)
     room = (high - low) * 0.06 or max(1.0, abs(high) * 0.06)
     return Axis(low - room, high + room, begin, end)
+
+
+def alone(drawn: str) -> str:
+    """Return a picture as the text of an SVG file, with the colours that the page gives it otherwise."""
+    head, _, rest = drawn.partition(">")
+    return f"{head}>{_STYLE}{rest}\n"
+
+
+_STYLE = (
+    "<style>svg{background:#fff}.word{font:12px system-ui,sans-serif;fill:#1c2733}.word.soft{fill:#5c6b7a}.ink{stroke:#1c2733}"
+    ".frame{fill:none;stroke:#d8dfe6}.grid{stroke:#d8dfe6;stroke-dasharray:3 4}</style>"
+)

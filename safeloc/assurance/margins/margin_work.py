@@ -22,7 +22,7 @@ from safeloc.proof.provers.portfolio import prove_one, proved_base
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
-_KIND, _AS_IT_IS = "margins", "claims before margins"
+_KIND, _AS_IT_IS, _FRONTS = "margins", "claims before margins", "fronts"
 _QUESTIONS_AS_IT_IS = 10
 """Questions with the full limit that one claim takes, with those about what it rests on, that the clock allows for."""
 _QUESTIONS = 60
@@ -101,19 +101,46 @@ class Margins:
         return Task(name, lambda: [asdict(limit(self.asking(), figure, way))], most)
 
 
-def front(
-    margins: Margins, first: Figure, way: Direction, second: Figure, other: Direction
-) -> Iterator[tuple[int, Limit]]:
+Moving = tuple[Figure, Direction]
+"""A figure, and the direction in which it moves."""
+Point = tuple[int, Limit]
+"""A value of the first figure of a front, and the limit of the second beside it."""
+
+
+def fronts(margins: Margins, pairs: Mapping[str, tuple[Moving, Moving]]) -> Iterator[tuple[str, list[Point]]]:
+    """Yield the front of each pair, by its name, as they are found; one that was lost has no points."""
+
+    names = {_said(*both): name for name, both in pairs.items()}
+
+    def batches(left: Sequence[str]) -> list[Batch]:
+        return [Batch((said,), _task_of_front(margins, said, *pairs[names[said]])) for said in left]
+
+    key = asked(margins.target, _FRONTS, margins.limits, margins.where, list(margins.claims), POINTS).key
+    keeping = Keeping(_FRONTS, key, margins.look_in, margins.keep_in)
+    for said, found in kept_or_done([*names], batches, keeping, margins.jobs):
+        yield names[said], [] if isinstance(found, Lost) else [(value, from_data(one)) for value, one in found]
+
+
+def _said(first: Moving, second: Moving) -> str:
+    return ",".join(f"{figure.name}:{way}" for figure, way in (first, second))
+
+
+def _task_of_front(margins: Margins, name: str, first: Moving, second: Moving) -> Task:
+    most = CLOCK * _QUESTIONS * POINTS * len(margins.claims) * margins.limits.seconds
+    return Task(name, lambda: [[[value, asdict(one)] for value, one in front(margins, first, second)]], most)
+
+
+def front(margins: Margins, first: Moving, second: Moving) -> Iterator[Point]:
     """Yield points of the Pareto front of two figures: a value of the first, and the limit of the second beside it.
 
     The first figure takes its own value, its limit, and values between them in equal steps.
     """
-    asking = margins.asking()
-    farthest = limit(asking, first, way).holds_to
-    steps = min(abs(farthest - first.value), POINTS + 1)
-    values = dict.fromkeys(first.value + (farthest - first.value) * step // max(steps, 1) for step in range(steps + 1))
-    for value in values:
-        yield value, limit(asking, second, other, {first.name: value})
+    asking, (figure, way) = margins.asking(), first
+    farthest = limit(asking, figure, way).holds_to
+    steps = min(abs(farthest - figure.value), POINTS + 1)
+    between = (figure.value + (farthest - figure.value) * step // max(steps, 1) for step in range(steps + 1))
+    for value in dict.fromkeys(between):
+        yield value, limit(asking, *second, {figure.name: value})
 
 
 def from_data(data: Mapping[str, Any]) -> Limit:

@@ -14,7 +14,7 @@ from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, f
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
 from safeloc.assurance.margins.margin_data import in_words
 from safeloc.assurance.margins.margin_work import Margins, from_data, front
-from safeloc.catalogue import load_target
+from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.proof.cache.store import Store
@@ -103,7 +103,7 @@ def test_the_front_of_two_figures(line: Target) -> None:
     """Each point is the other figure's limit, and the more one takes, the less is left to the other."""
     work = Margins(line, "world", chosen_claims(line, None), LIMITS)
     every = figures(line)
-    points = list(front(work, every["stretch_mm"], "up", every["rate_ppm"], "up"))
+    points = list(front(work, (every["stretch_mm"], "up"), (every["rate_ppm"], "up")))
     assert [300_000, 470_000] == [points[0][0], points[-1][0]]
     left = [one.holds_to for _, one in points]
     assert left == sorted(left, reverse=True)
@@ -209,6 +209,47 @@ def test_the_command(call: Call, tmp_path: Path) -> None:
     assert pair.code == 2
     assert "each with :up or :down" in pair.err
     assert "'rate_ppm:sideways'" in pair.err
+
+
+def test_a_front_is_printed_drawn_and_kept(call: Call, tmp_path: Path) -> None:
+    """A vehicle with a longer stretch between its readers may err less; the second call finds the points in the store."""
+    words = [f"{TWO_READERS}:machine", "--config", str(TWO_READERS.with_suffix(".toml")), "--cache", str(tmp_path)]
+    pair = ["--pair", "vehicle_length_mm:up,marker_distance_mm:up"]
+    told = call("margins", *words, *pair, "--out", str(tmp_path / "drawn"))
+    assert "vehicle_length_mm:up,marker_distance_mm:up (world): vehicle_length_mm, marker_distance_mm" in told.out
+    data = json.loads(call("margins", *words, *pair, "--json").out)
+    [front] = data["fronts"]
+    assert [204_700, 674_701] == front["points"][0][:2]
+    assert all(second == first + 470_001 for first, second, _ in front["points"])
+    drawn = tmp_path / "drawn" / "front-vehicle-length-mm-up-marker-distance-mm-up.svg"
+    assert drawn.read_text(encoding="utf-8").startswith("<svg")
+
+
+def test_what_pairs_refuse(call: Call) -> None:
+    """A machine without declared pairs, one figure, three figures, and single figures beside pairs."""
+    words = [f"{TWO_READERS}:machine", "--config", str(TWO_READERS.with_suffix(".toml"))]
+    assert "two_readers declares no pairs of figures; give two with --pair" in call("margins", *words, "--pairs").err
+    for text in ("rate_ppm:up", "rate_ppm:up,constant_mm:up,stretch_mm:up"):
+        told = call("margins", *words, "--pair", text)
+        assert told.code == 2
+        assert "--pair takes two figures joined by a comma" in told.err
+    both = call("margins", "stop_point", "--pairs", "--figure", "brake_mm_s2")
+    assert both.code == 2
+    assert "asks for the limits of single figures" in both.err
+
+
+def test_declared_pairs_name_figures_of_their_machine() -> None:
+    """Each once, and the two figures of a pair are not one."""
+    paired = [entry for entry in ENTRIES.values() if entry.pairs]
+    assert "stop_point" in [one.name for one in paired]
+    for entry in paired:
+        known = figures(load_target(entry.name))
+        assert len({one.name for one in entry.pairs}) == len(entry.pairs) <= 5
+        for one in entry.pairs:
+            (first, way), (second, other) = (text.split(":") for text in (one.first, one.second))
+            assert {first, second} <= set(known)
+            assert first != second
+            assert {way, other} <= {"up", "down"}
 
 
 def test_a_claim_that_fails_as_it_is_leaves_no_margin(call: Call, tmp_path: Path) -> None:
