@@ -13,14 +13,14 @@ from safeloc.assurance.margins.margin_work import Margins
 SCHEMA = "safeloc-margins/1"
 
 
-def is_unmoved(one: Limit) -> bool:
+def _is_unmoved(one: Limit) -> bool:
     """Return whether the figure moves nothing as far as it may go."""
     return one.proved_why == UNMOVED and one.end.end in ("proved", "refused")
 
 
 def in_words(one: Limit) -> str:
     """Return what limits the figure, as a phrase."""
-    if is_unmoved(one):
+    if _is_unmoved(one):
         return UNMOVED
     match one.end.end:
         case "broken":
@@ -48,7 +48,7 @@ def row(one: Limit) -> dict[str, Any]:
         "beyond": one.beyond,
         "broken_at": one.broken_at,
         "proved_why": one.proved_why,
-        "unmoved": is_unmoved(one),
+        "unmoved": _is_unmoved(one),
         "end": one.end.end,
         "claim": one.end.claim,
         "in_words": in_words(one),

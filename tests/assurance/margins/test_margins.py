@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict
 from pathlib import Path
 
@@ -159,6 +160,36 @@ def test_moved_refuses_with_the_reason() -> None:
         moved(load_target("stop_point"), {"brake_mm_s2": -1})
 
 
+@pytest.mark.parametrize(
+    ("raised", "refused"),
+    [("InputError('no: too long')", True), ("ValueError('a defect')", False), ("KeyError(1)", False)],
+)
+def test_only_a_refusal_is_a_reason(tmp_path: Path, raised: str, refused: bool) -> None:
+    """What the maker raises on purpose ends a search; its defects are told as they are."""
+    own = tmp_path / "own.py"
+    changed = EXAMPLE.read_text(encoding="utf-8").replace(
+        "    error = measured", f"    if given['stretch_mm'] > 300_000:\n        raise {raised}\n    error = measured"
+    )
+    own.write_text(f"{changed}\nfrom safeloc.errors import InputError\n", encoding="utf-8")
+    line = load_target(f"{own}:machine", EXAMPLE.with_suffix(".toml"))
+    with pytest.raises(
+        InputError, match="too long" if refused else r"own.py:machine fails: (Value|Key)Error"
+    ) as caught:
+        moved(line, {"stretch_mm": 400_000})
+    assert isinstance(caught.value, Refused) is refused
+
+
+PAGE = re.findall(
+    r"```sh\nsafeloc (margins .*?)\n```\n```text\n(.*?)```", Path("docs/margins.md").read_text("utf-8"), re.DOTALL
+)
+
+
+@pytest.mark.parametrize(("command", "printed"), PAGE)
+def test_the_page_tells_what_the_command_prints(call: Call, tmp_path: Path, command: str, printed: str) -> None:
+    assert len(PAGE) == 2
+    assert printed in call(*command.split(), "--cache", str(tmp_path)).out
+
+
 def test_unknown_names_are_refused_with_the_nearest(line: Target) -> None:
     with pytest.raises(InputError, match=r"no figure 'stretch_m'; it has constant_mm, .* Did you mean 'stretch_mm'"):
         chosen_figures(line, ["stretch_m"])
@@ -199,10 +230,8 @@ def _call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_the_command(call: Call, tmp_path: Path) -> None:
-    """Lines for people, JSON for programs, and a clear refusal of a direction."""
+    """JSON for programs, and a clear refusal of a direction; lines for people are those of the page."""
     words = [f"{EXAMPLE}:machine", "--config", str(EXAMPLE.with_suffix(".toml")), "--cache", str(tmp_path)]
-    told = call("margins", *words, "--figure", "stretch_mm")
-    assert "up    to 470000 (170000); at 470001 a run of 1 cycle breaks 'a position everywhere'" in told.out
     data = json.loads(call("margins", *words, "--figure", "stretch_mm", "--json").out)
     assert [(one["direction"], one["holds_to"]) for one in data["limits"]] == [("down", 0), ("up", 470_000)]
     pair = call("margins", *words, "--pair", "stretch_mm:up,rate_ppm:sideways")
