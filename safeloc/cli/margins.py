@@ -157,6 +157,10 @@ def _lines(limits: Sequence[Limit]) -> Iterator[str]:
             yield f"{one.figure.name} = {one.figure.value} {one.figure.unit}".rstrip()
             last = one.figure.name
         to = (
-            "no margin" if one.margin == 0 else f"to {one.holds_to} ({one.margin} {one.figure.unit})".replace(" )", ")")
+            f"to {one.holds_to} ({one.margin} {one.figure.unit})".replace(" )", ")")
+            if one.margin
+            else "no margin"
+            if one.end.end in ("broken", "undecided")
+            else "stays"
         )
         yield f"    {one.direction:5} {to}; {in_words(one)}"

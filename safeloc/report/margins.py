@@ -89,8 +89,14 @@ def _rows(limits: Sequence[_Data]) -> list[dict[str, Any]]:
             row = by_figure.setdefault(
                 one["figure"], {"figure": one["figure"], "value": one["value"], "unit": one["unit"]}
             )
-            row[one["direction"]] = {**one, "told": "none" if one["margin"] == 0 else f"to {one['holds_to']}"}
+            row[one["direction"]] = {**one, "told": _how_far(one)}
     return list(by_figure.values())
+
+
+def _how_far(one: _Data) -> str:
+    if one["margin"]:
+        return f"to {one['holds_to']}"
+    return "none" if one["end"] in ("broken", "undecided") else "stays"
 
 
 def margins_picture(limits: Sequence[_Data], where: str) -> str:

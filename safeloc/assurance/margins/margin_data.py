@@ -33,7 +33,7 @@ def in_words(one: Limit) -> str:
             what = one.end.why or f"at {one.beyond} {one.end.claim!r} is not decided within the limits"
             return what + further
         case "proved":
-            return "holds to the end of the range" + (f": {one.end.why}" if one.end.why else "")
+            return "holds to the end of the range" if one.margin else "its range ends here"
 
 
 def row(one: Limit) -> dict[str, Any]:
