@@ -26,7 +26,7 @@ from safeloc.report.drawing import (
 )
 from safeloc.report.thinning import Point
 
-_BEGIN, _OWN, _END = 330, 560, 900
+_BEGIN, _OWN, _END = 310, 520, 790
 """Places of the factors 0, 1 and 10 on a picture."""
 _MOST = 10
 _ROW, _TOP = 24, 30
@@ -42,7 +42,7 @@ def margins_shown(margins: _Data | None) -> dict[str, Any] | None:
             "where": where,
             "rows": _rows(margins[where]),
             "picture": margins_picture(margins[where], where),
-            "unmoved": [one["figure"] for one in margins[where] if _is_unmoved(one) and one["direction"] == "up"],
+            "unmoved": _unmoved(margins[where]),
         }
         for where in ("world", "design")
         if where in margins
@@ -53,7 +53,7 @@ def margins_shown(margins: _Data | None) -> dict[str, Any] | None:
 
 def first_page_row(name: str, margins: _Data | None) -> dict[str, Any]:
     """Return the row of a machine on the first page: how many figures may not move at all, and which may move least."""
-    rows = [one for one in (margins or {}).get("world", ()) if not _is_unmoved(one)]
+    rows = _moving((margins or {}).get("world", ()))
     broken = [one for one in rows if one["end"] == "broken"]
     none = [one for one in broken if one["margin"] == 0]
     some = sorted((one for one in broken if one["margin"] and one["value"]), key=_relative)
@@ -61,14 +61,29 @@ def first_page_row(name: str, margins: _Data | None) -> dict[str, Any]:
         "machine": name,
         "known": margins is not None and "world" in margins,
         "figures": len({one["figure"] for one in rows}),
-        "none": [f"{one['figure']} {one['direction']}" for one in none],
+        "none": _by_figure(none),
         "least": [f"{one['figure']} {_percent(one)}" for one in some[:3]],
-        "undecided": [f"{one['figure']} {one['direction']}" for one in rows if one["end"] == "undecided"],
+        "undecided": _by_figure([one for one in rows if one["end"] == "undecided"]),
     }
 
 
-def _is_unmoved(one: _Data) -> bool:
-    return bool(one["unmoved"])
+def _by_figure(limits: Sequence[_Data]) -> list[str]:
+    """Return the figures of some limits, each once with its directions."""
+    ways: dict[str, list[str]] = {}
+    for one in limits:
+        ways.setdefault(one["figure"], []).append(one["direction"])
+    return [f"{figure} {' and '.join(sorted(found))}" for figure, found in ways.items()]
+
+
+def _moving(limits: Sequence[_Data]) -> list[_Data]:
+    """Return the limits of the figures on which something depends, be it in one direction alone."""
+    moving = {one["figure"] for one in limits if not one["unmoved"]}
+    return [one for one in limits if one["figure"] in moving]
+
+
+def _unmoved(limits: Sequence[_Data]) -> list[str]:
+    moving = {one["figure"] for one in _moving(limits)}
+    return list(dict.fromkeys(one["figure"] for one in limits if one["figure"] not in moving))
 
 
 def _relative(one: _Data) -> float:
@@ -84,12 +99,9 @@ def _percent(one: _Data) -> str:
 def _rows(limits: Sequence[_Data]) -> list[dict[str, Any]]:
     """Return the rows of the table, one for each figure that moves something, with its limit in both directions."""
     by_figure: dict[str, dict[str, Any]] = {}
-    for one in limits:
-        if not _is_unmoved(one):
-            row = by_figure.setdefault(
-                one["figure"], {"figure": one["figure"], "value": one["value"], "unit": one["unit"]}
-            )
-            row[one["direction"]] = {**one, "told": _how_far(one)}
+    for one in _moving(limits):
+        row = by_figure.setdefault(one["figure"], {"figure": one["figure"], "value": one["value"], "unit": one["unit"]})
+        row[one["direction"]] = {**one, "told": _how_far(one)}
     return list(by_figure.values())
 
 
@@ -101,7 +113,7 @@ def _how_far(one: _Data) -> str:
 
 def margins_picture(limits: Sequence[_Data], where: str) -> str:
     """Return a bar for each figure, from the least to the greatest factor of its value at which all claims are proved; "" for none."""
-    rows = [row for row in _rows(limits) if row["value"] and "down" in row and "up" in row]
+    rows = [row for row in _rows(limits) if row["value"]]
     if not rows:
         return ""
     bottom = _TOP + _ROW * len(rows)
@@ -144,8 +156,9 @@ def _bar(row: _Data, y: float) -> Iterator[str]:
     middle = y + _ROW / 2
     yield word(10, middle + 4, f"{row['figure']} = {value} {row['unit']}".rstrip())
     yield f'<rect x="{begin:.1f}" y="{y + 5:.1f}" width="{max(end - begin, 1.5):.1f}" height="{_ROW - 10}" fill="{BLUE}" fill-opacity=".45"><title>{html.escape(_told(row))}</title></rect>'
-    yield _mark(row["down"]["end"], begin, middle)
-    yield _mark(row["up"]["end"], end, middle)
+    apart = 6 if end - begin < 12 else 0  # so that the marks of a figure without a margin stand side by side
+    yield _mark(row["down"]["end"], begin - apart, middle)
+    yield _mark(row["up"]["end"], end + apart, middle)
     yield word(_END + 12, middle + 4, f"{low} \N{HORIZONTAL ELLIPSIS} {high}", soft=True)
 
 

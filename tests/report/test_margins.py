@@ -25,6 +25,7 @@ from safeloc.report.page import to_html
 from safeloc.target import Target
 
 SPEED, AGE = Figure("max_speed_mm_s", 44_445, "mm/s", 1, 138_889), Figure("age_limit_ms", 1_000, "ms", 0, 60_000)
+LENGTH = Figure("length_mm", 2, "mm", 0, 4)
 RUN = Answer("broken", "the vehicle is where it says", first={"mode": 0}, inputs=({"x": 1}, {"x": 2}))
 FRONT = {"name": "speed or age", "where": "world", "first": "max_speed_mm_s", "second": "age_limit_ms",
          "points": [[44_445, 1_200, "at 1201 a run"], [50_000, 1_000, "at 1001 a run"]]}  # fmt: skip
@@ -36,6 +37,9 @@ def limits() -> list[dict[str, Any]]:
         row(Limit(SPEED, "up", 48_000, RUN, 48_001)),
         row(Limit(AGE, "down", 1_000, replace(RUN, claim="<b>"), 999)),
         row(Limit(AGE, "up", 1_100, Answer("undecided", "c"), 1_101)),
+        row(Limit(LENGTH, "down", 0, Answer("proved"), None, proved_why=UNMOVED)),
+        row(Limit(LENGTH, "up", 4, Answer("proved"), None)),
+        row(Limit(Figure("unread", 5, "", 0, 50), "down", 0, Answer("proved"), None, proved_why=UNMOVED)),
         row(Limit(Figure("unread", 5, "", 0, 50), "up", 50, Answer("proved"), None, proved_why=UNMOVED)),
     ]
 
@@ -89,7 +93,9 @@ def test_the_first_page_tells_what_has_no_margin_and_what_has_least() -> None:
     assert found["none"] == ["age_limit_ms down"]
     assert found["least"] == ["max_speed_mm_s +8 %"]
     assert found["undecided"] == ["age_limit_ms up"]
-    assert found["figures"] == 2
+    both = [*limits(), row(Limit(AGE, "up", 1_000, RUN, 1_001))]
+    assert first_page_row("transmission", {"world": both})["none"] == ["age_limit_ms down and up"]
+    assert found["figures"] == 3
     assert not first_page_row("transmission", {"pairs": [FRONT]})["known"]
 
 
@@ -114,7 +120,7 @@ def test_bars_reach_from_limit_to_limit_and_say_how_they_end() -> None:
     root = ElementTree.fromstring(drawn)
     assert root.get("aria-label") == "how far each figure may move, in factors of its configured value (world)"
     bars = [one for one in root.iter() if one.tag.endswith("rect") and list(one)]
-    assert len(bars) == 2
+    assert len(bars) == 3
     assert float(bars[0].get("width", 0)) > float(bars[1].get("width", 0))
     assert drawn.count('class="broken"') == 2
     assert ">?<" in drawn
