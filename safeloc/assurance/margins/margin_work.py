@@ -23,8 +23,8 @@ from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 _KIND, _AS_IT_IS, _FRONTS = "margins", "claims before margins", "fronts"
-_QUESTIONS_AS_IT_IS = 10
-"""Questions with the full limit that one claim takes, with those about what it rests on, that the clock allows for."""
+_PATIENCE, _QUESTIONS_AS_IT_IS = 3, 20
+"""Multiple of the limit for a claim with the figures as they are, and questions with the plain limit that the clock allows for there."""
 _QUESTIONS = 60
 """Questions of one search that the clock allows for; a search over a range of 2**31 asks some 50."""
 POINTS = 8
@@ -62,24 +62,28 @@ class Margins:
         claims = {prop.name: prop for prop in claims_of(self.target) if prop.name in self.claims}
 
         def batches(left: Sequence[str]) -> list[Batch]:
-            proved_base(self.target.system, self.limits)
+            proved_base(self.target.system, self._patient)
             return [Batch((name,), self._task_as_it_is(claims[name])) for name in left]
 
         key = asked(self.target, _AS_IT_IS, self.limits).key
-        for name, found in kept_or_done(
-            [*claims], batches, Keeping(_AS_IT_IS, key, self.look_in, self.keep_in), self.jobs
-        ):
+        keeping = Keeping(_AS_IT_IS, key, self.look_in, self.keep_in, lambda found: found["verdict"] != "unknown")
+        for name, found in kept_or_done([*claims], batches, keeping, self.jobs):
             if not isinstance(found, Lost):
                 self.rests_on[name] = rests_on.from_data(found["rests_on"])
             yield name, "unknown" if isinstance(found, Lost) else found["verdict"]
 
     def _task_as_it_is(self, prop: Property) -> Task:
         def work() -> list[dict[str, Any]]:
-            verdict = prove_one(observe(self.target.system, replace(prop, kept_by=None)), self.limits)
+            verdict = prove_one(observe(self.target.system, replace(prop, kept_by=None)), self._patient)
             used = rests_on.rests_on(self.target.system, prop, self.limits) if isinstance(verdict, Proved) else None
             return [{"verdict": word(verdict), "rests_on": rests_on.to_data(used)}]
 
-        return Task(prop.name, work, 2 * CLOCK * _QUESTIONS_AS_IT_IS * self.limits.seconds)
+        return Task(prop.name, work, CLOCK * _QUESTIONS_AS_IT_IS * self.limits.seconds)
+
+    @property
+    def _patient(self) -> Limits:
+        """The limits of the claims as they are: one that is not proved there leaves no margin to find at all."""
+        return replace(self.limits, seconds=_PATIENCE * self.limits.seconds)
 
     def singles(self, figures: Sequence[Figure]) -> Iterator[Limit]:
         """Yield the limits of each figure up and down, as they are found."""
@@ -94,7 +98,8 @@ class Margins:
             return [Batch((name,), self._task(name, *pieces[name])) for name in left]
 
         key = asked(self.target, _KIND, self.limits, self.where, list(self.claims)).key
-        return kept_or_done([*pieces], batches, Keeping(_KIND, key, self.look_in, self.keep_in), self.jobs)
+        keeping = Keeping(_KIND, key, self.look_in, self.keep_in, _is_decided)
+        return kept_or_done([*pieces], batches, keeping, self.jobs)
 
     def _task(self, name: str, figure: Figure, way: Direction) -> Task:
         most = CLOCK * _QUESTIONS * len(self.claims) * self.limits.seconds
@@ -116,7 +121,7 @@ def fronts(margins: Margins, pairs: Mapping[str, tuple[Moving, Moving]]) -> Iter
         return [Batch((said,), _task_of_front(margins, said, *pairs[names[said]])) for said in left]
 
     key = asked(margins.target, _FRONTS, margins.limits, margins.where, list(margins.claims), POINTS).key
-    keeping = Keeping(_FRONTS, key, margins.look_in, margins.keep_in)
+    keeping = Keeping(_FRONTS, key, margins.look_in, margins.keep_in, _all_decided)
     for said, found in kept_or_done([*names], batches, keeping, margins.jobs):
         yield names[said], [] if isinstance(found, Lost) else [(value, from_data(one)) for value, one in found]
 
@@ -141,6 +146,14 @@ def front(margins: Margins, first: Moving, second: Moving) -> Iterator[Point]:
     between = (figure.value + (farthest - figure.value) * step // max(steps, 1) for step in range(steps + 1))
     for value in dict.fromkeys(between):
         yield value, limit(asking, *second, {figure.name: value})
+
+
+def _is_decided(one: Mapping[str, Any]) -> bool:
+    return bool(one["end"]["end"] != "undecided")
+
+
+def _all_decided(points: Sequence[tuple[int, Mapping[str, Any]]]) -> bool:
+    return all(_is_decided(one) for _, one in points)
 
 
 def from_data(data: Mapping[str, Any]) -> Limit:
