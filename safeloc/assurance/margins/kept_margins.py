@@ -1,6 +1,6 @@
 """Margins that were found, kept for reports: a report takes them from here, and never waits for them.
 
-They belong to the content of a target: of a target that has changed since there are none.
+They belong to the content of a target and to the code that makes it: of a target that has changed since there are none.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from safeloc.assurance.kept_work import Keeping
+from safeloc.assurance.margins.makers import maker_digest
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
 from safeloc.target import Target
@@ -47,4 +48,4 @@ def stamp(store: Store) -> str:
 
 
 def _keeping(store: Store, target: Target) -> Keeping:
-    return Keeping(_KIND, asked(target, _KIND).key, store, store)
+    return Keeping(_KIND, asked(target, _KIND, maker_digest(target)).key, store, store)

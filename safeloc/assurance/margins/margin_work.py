@@ -12,6 +12,7 @@ from safeloc.assurance.margins import rests_on
 from safeloc.assurance.margins.asking import Answer, Asking, Where
 from safeloc.assurance.margins.figures import Figure
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit
+from safeloc.assurance.margins.makers import maker_digest
 from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.language.spec import Property, observe
 from safeloc.language.verdict import Proved, word
@@ -97,7 +98,7 @@ class Margins:
         def batches(left: Sequence[str]) -> list[Batch]:
             return [Batch((name,), self._task(name, *pieces[name])) for name in left]
 
-        key = asked(self.target, _KIND, self.limits, self.where, list(self.claims)).key
+        key = asked(self.target, _KIND, self.limits, self.where, list(self.claims), maker_digest(self.target)).key
         keeping = Keeping(_KIND, key, self.look_in, self.keep_in, _is_decided)
         return kept_or_done([*pieces], batches, keeping, self.jobs)
 
@@ -120,7 +121,8 @@ def fronts(margins: Margins, pairs: Mapping[str, tuple[Moving, Moving]]) -> Iter
     def batches(left: Sequence[str]) -> list[Batch]:
         return [Batch((said,), _task_of_front(margins, said, *pairs[names[said]])) for said in left]
 
-    key = asked(margins.target, _FRONTS, margins.limits, margins.where, list(margins.claims), POINTS).key
+    made = maker_digest(margins.target)
+    key = asked(margins.target, _FRONTS, margins.limits, margins.where, list(margins.claims), POINTS, made).key
     keeping = Keeping(_FRONTS, key, margins.look_in, margins.keep_in, _all_decided)
     for said, found in kept_or_done([*names], batches, keeping, margins.jobs):
         yield names[said], [] if isinstance(found, Lost) else [(value, from_data(one)) for value, one in found]

@@ -13,11 +13,13 @@ from safeloc.assurance.evidence.interval import HOLDS
 from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
+from safeloc.assurance.margins.makers import maker_digest
 from safeloc.assurance.margins.margin_data import in_words
 from safeloc.assurance.margins.margin_work import Margins, from_data, front
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.proof.cache.contents import target_digest
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 from safeloc.target import Target
@@ -125,6 +127,19 @@ def test_singles_are_kept(line: Target, tmp_path: Path) -> None:
     first = found(None)
     assert [one.holds_to for one in first] == [0, 470_000]
     assert found(store) == first
+
+
+def test_margins_belong_to_the_code_that_makes_the_machine(tmp_path: Path) -> None:
+    """With other figures an edited maker makes another world, though with these it makes the same."""
+    own, text = tmp_path / "own.py", EXAMPLE.read_text(encoding="utf-8")
+    own.write_text(text, encoding="utf-8")
+    before = load_target(f"{own}:machine", EXAMPLE.with_suffix(".toml"))
+    first = maker_digest(before)
+    assert maker_digest(before) == first
+    own.write_text(text.replace('given["stretch_mm"]', 'min(given["stretch_mm"], 400_000)'), encoding="utf-8")
+    after = load_target(f"{own}:machine", EXAMPLE.with_suffix(".toml"))
+    assert target_digest(before) == target_digest(after)
+    assert maker_digest(after) != first
 
 
 def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
