@@ -80,7 +80,8 @@ class _Search:
     """The answers along one figure."""
 
     def __init__(self, asking: Asking, figure: Figure, direction: Direction, fixed: dict[str, int]) -> None:
-        self._asking, self._figure, self._direction, self._fixed = asking, figure, direction, fixed
+        self._asking, self._figure, self._fixed = asking, figure, fixed
+        self._direction: Direction = direction
         self.end = figure.high if direction == "up" else figure.low
         self.sign = 1 if direction == "up" else -1
 

@@ -49,7 +49,7 @@ def _has_its_names(goal: Goal, way: Trace) -> bool:
     )
 
 
-def _same_way(goal: Goal, runs: Unrolling, number: int, step: Step) -> Iterator[z3.BoolRef]:
+def _same_way(goal: Goal, runs: Unrolling, number: int, step: Step) -> Iterator[z3.BoolRef | bool]:
     """Yield that flags and labels of the inputs, and the transitions that fire, are those of the given step."""
     for var in goal.system.inputs:
         if is_label(var):
