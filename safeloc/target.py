@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from pydantic import BaseModel
 
@@ -91,6 +91,22 @@ class Family(Enum):
     LOCALIZER = "localizer"
 
 
+@dataclass(frozen=True)
+class Pair:
+    """Two figures of a configuration of which one gains what the other gives up: a front of `safeloc margins --pairs`.
+
+    name    in the words of the field
+    first   the figure that moves, with its direction, such as "speed_error_mm_s:down"
+    second  the figure whose limit is searched beside each value of the first, with its direction
+    where   world: both move in the world alone; design: in machine, world and claims alike
+    """
+
+    name: str
+    first: str
+    second: str
+    where: Literal["world", "design"] = "world"
+
+
 LAST = 1000
 """The position of a machine that states none."""
 
@@ -114,6 +130,7 @@ class Entry(Generic[AnyConfig]):
                     machine that ships in compositions alone
     records_of      record name -> input name, for inputs whose records have another name, such as that of the
                     odometer's unit (docs/records.md)
+    pairs           pairs of figures whose front `safeloc margins --pairs` finds
     folder          its folder of `models/`; `safeloc.shipped` sets it when it finds the entry
     """
 
@@ -128,6 +145,7 @@ class Entry(Generic[AnyConfig]):
     silent: tuple[str, ...] = ()
     members: tuple[str, ...] = ()
     records_of: Mapping[str, str] = field(default_factory=dict)
+    pairs: tuple[Pair, ...] = ()
     folder: str = ""
 
     def make(self, config: AnyConfig) -> Target:

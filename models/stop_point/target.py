@@ -11,7 +11,7 @@ from safeloc.models.stop_point.picture import picture
 from safeloc.models.stop_point.variables import StopPointConfig, parts
 from safeloc.properties import stop_point as claims
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: StopPointConfig) -> Target:
@@ -36,6 +36,13 @@ ENTRIES = (
         Family.MARKERS,
         place=30,
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("brakes beside speed error", "speed_error_mm_s:down", "brake_mm_s2:down"),
+            Pair("reaction time beside speed error", "speed_error_mm_s:down", "reaction_ms:up"),
+            Pair("brakes beside reaction time", "reaction_ms:down", "brake_mm_s2:down"),
+            Pair("reaction time beside brakes", "brake_mm_s2:up", "reaction_ms:up"),
+            Pair("speed error beside brakes", "brake_mm_s2:up", "speed_error_mm_s:up"),
+        ),
         no_interval="It gives orders to brake and to move; the position is an input.",
     ),
 )

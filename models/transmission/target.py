@@ -7,7 +7,7 @@ from safeloc.models.transmission import TransmissionConfig
 from safeloc.models.transmission.configurations import CONFIGURATIONS
 from safeloc.properties import transmission as claims
 from safeloc.reported import Reported
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: TransmissionConfig) -> Target:
@@ -26,5 +26,9 @@ ENTRIES = (
         place=20,
         configurations=CONFIGURATIONS,
         silent=("transmission",),
+        pairs=(
+            Pair("period beside line speed", "max_speed_mm_s:down", "period_ms:up"),
+            Pair("line speed beside period", "period_ms:down", "max_speed_mm_s:up"),
+        ),
     ),
 )

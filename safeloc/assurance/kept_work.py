@@ -20,18 +20,24 @@ class Batch:
     task: Task
 
 
+def _always(_: Any) -> bool:
+    return True
+
+
 @dataclass(frozen=True)
 class Keeping:
     """The cache for results: their kind, and the digest of everything besides their name that they depend on.
 
     look_in  store with results of earlier runs; None: none is used
     keep_in  store for new results; each is stored at once, so that the next run continues after an interruption
+    decided  whether a result is one that every run would find: one that the limits left open is not stored
     """
 
     kind: str
     key: str
     look_in: Store | None = None
     keep_in: Store | None = None
+    decided: Callable[[Any], bool] = _always
 
     def kept(self, name: str) -> Any:
         """Return the stored result of this name as plain data; None if there is none."""
@@ -40,7 +46,7 @@ class Keeping:
 
     def keep(self, name: str, data: Any) -> None:
         """Store plain data, unless files of the engine have changed since it was loaded."""
-        if self.keep_in is not None and undisturbed():
+        if self.keep_in is not None and self.decided(data) and undisturbed():
             self.keep_in.put(self.kind, self._place(name), json.dumps(data).encode())
 
     def _place(self, name: str) -> str:

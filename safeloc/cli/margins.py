@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, cast, get_args
 
 import typer
 
-from safeloc.assurance.margins.asking import Answer, Where, chosen_claims
+from safeloc.assurance.margins.asking import Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, chosen_figures
-from safeloc.assurance.margins.limits_of_figures import Direction, Limit
-from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data
-from safeloc.assurance.margins.margin_work import Margins, front
+from safeloc.assurance.margins.kept_margins import keep_margins
+from safeloc.assurance.margins.limits_of_figures import Limit
+from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data, row
+from safeloc.assurance.margins.margin_work import Margins
 from safeloc.catalogue import load_target
-from safeloc.cli.console import out, print_json
+from safeloc.cli.console import err, out, print_json
+from safeloc.cli.fronts import declared_pairs, found_fronts, given_pairs, print_front
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, Progressing
 from safeloc.errors import InputError
 from safeloc.proof.provers.limits import Limits
+from safeloc.report.file_names import file_names
+from safeloc.report.margins import alone, front_picture, margins_picture
+from safeloc.target import Pair
 
 _SECONDS = 10.0
 
@@ -43,6 +49,12 @@ def margins(
             help="two figures with their directions, as FIGURE:up,FIGURE:down: the front of both (repeatable)"
         ),
     ] = None,
+    pairs: Annotated[
+        bool, typer.Option("--pairs", help="the fronts of the pairs that are declared with the machine")
+    ] = False,
+    folder: Annotated[
+        Path | None, typer.Option("--out", help="folder for pictures of limits and fronts", file_okay=False)
+    ] = None,
     seconds: Annotated[
         float, typer.Option(help="limit for each claim at each value, as solvers count", min=0.1)
     ] = _SECONDS,
@@ -61,12 +73,21 @@ def margins(
     loaded = load_target(target, config)
     figures, store = chosen_figures(loaded, figure), store_in(cache)
     asked, look_in = chosen_claims(loaded, only), None if fresh else store
+    wanted = [*(declared_pairs(loaded) if pairs else []), *given_pairs(pair or (), where)]
+    if wanted and figure:
+        raise typer.BadParameter(
+            "--figure asks for the limits of single figures; leave it out beside --pair and --pairs."
+        )
     work = Margins(loaded, cast(Where, where), asked, Limits(seconds=seconds), jobs, look_in, store)
-    _refuse_if_it_fails(work.asking().as_it_is())
-    if pair:
-        _fronts(work, pair, as_json=as_json)
+    _refuse_if_one_fails(work, quiet=as_json)
+    if wanted:
+        _fronts(work, wanted, folder, keep=pairs and only is None, as_json=as_json)
         return
     limits = _found(work, figures, quiet=as_json)
+    if figure is None and only is None:
+        keep_margins(store, loaded, work.where, [row(one) for one in limits])
+    if folder is not None:
+        _write(folder, {f"margins-{where}": margins_picture([row(one) for one in limits], where)})
     if as_json:
         print_json(margins_data(work, limits))
     else:
@@ -76,12 +97,46 @@ def margins(
         raise typer.Exit(EXIT_CODES["unknown"])
 
 
-def _refuse_if_it_fails(now: Answer) -> None:
-    if now.end != "proved":
-        raise InputError(
-            f"there is no margin to find: {now.claim!r} is {now.end} with the figures as they are (`safeloc prove`); "
-            "give the claims that have to hold with --property."
-        )
+def _fronts(work: Margins, pairs: Sequence[Pair], folder: Path | None, *, keep: bool, as_json: bool) -> None:
+    """Search the fronts, print them, write their pictures, and keep those of declared pairs for reports."""
+    found = found_fronts(work, pairs, quiet=as_json)
+    if keep and work.keep_in is not None:
+        declared = {one.name for one in declared_pairs(work.target)}
+        keep_margins(work.keep_in, work.target, "pairs", [one for one in found if one["name"] in declared])
+    if folder is not None:
+        names = file_names([one["name"] for one in found])
+        _write(folder, {f"front-{names[one['name']]}": front_picture(one) for one in found})
+    if as_json:
+        print_json({"schema": SCHEMA, "target": work.target.name, "fronts": found})
+        return
+    for one in found:
+        print_front(one)
+
+
+def _write(folder: Path, pictures: Mapping[str, str]) -> None:
+    """Write pictures as SVG files; one without anything to draw is left out."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, drawn in pictures.items():
+            if drawn:
+                path = folder / f"{name}.svg"
+                path.write_text(alone(drawn), encoding="utf-8")
+                err.print(str(path), markup=False)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written: {error}") from error
+
+
+def _refuse_if_one_fails(work: Margins, *, quiet: bool) -> None:
+    """Prove all claims with the figures as they are; InputError if one is not proved."""
+    with Progressing(len(work.claims), quiet=quiet) as progress:
+        progress.say(f"{work.target.name} as it is", len(work.claims))
+        for claim, verdict in work.as_it_is():
+            progress.tick(f"{verdict:8} {claim}")
+            if verdict != "proved":
+                raise InputError(
+                    f"there is no margin to find: {claim!r} is {verdict} with the figures as they are (`safeloc prove`); "
+                    "give the claims that have to hold with --property."
+                )
 
 
 def _found(work: Margins, figures: Sequence[Figure], *, quiet: bool) -> list[Limit]:
@@ -102,35 +157,10 @@ def _lines(limits: Sequence[Limit]) -> Iterator[str]:
             yield f"{one.figure.name} = {one.figure.value} {one.figure.unit}".rstrip()
             last = one.figure.name
         to = (
-            "no margin" if one.margin == 0 else f"to {one.holds_to} ({one.margin} {one.figure.unit})".replace(" )", ")")
+            f"to {one.holds_to} ({one.margin} {one.figure.unit})".replace(" )", ")")
+            if one.margin
+            else "no margin"
+            if one.end.end in ("broken", "undecided")
+            else "stays"
         )
         yield f"    {one.direction:5} {to}; {in_words(one)}"
-
-
-def _fronts(work: Margins, pairs: Sequence[str], *, as_json: bool) -> None:
-    every = {one.name: one for one in chosen_figures(work.target, None)}
-    data = []
-    for pair in pairs:
-        (first, way), (second, other) = _of_pair(pair, every)
-        points = list(front(work, first, way, second, other))
-        data.append({"pair": pair, "points": [[value, one.holds_to, in_words(one)] for value, one in points]})
-        if not as_json:
-            out.print(f"{first.name} {way}, {second.name} {other}", markup=False)
-            for value, one in points:
-                out.print(f"    {value:>12} {one.holds_to:>12}  {in_words(one)}", markup=False, soft_wrap=True)
-    if as_json:
-        print_json({"schema": SCHEMA, "target": work.target.name, "where": work.where, "fronts": data})
-
-
-def _of_pair(pair: str, every: dict[str, Figure]) -> tuple[tuple[Figure, Direction], tuple[Figure, Direction]]:
-    named = []
-    for part in pair.split(","):
-        name, _, way = part.strip().partition(":")
-        if name not in every or way not in get_args(Direction):
-            raise typer.BadParameter(
-                f"--pair takes two of {', '.join(every)}, each with :up or :down and joined by a comma; got {part!r}."
-            )
-        named.append((every[name], cast(Direction, way)))
-    if len(named) != 2:
-        raise typer.BadParameter(f"--pair takes two figures joined by a comma, got {len(named)}: {pair!r}.")
-    return named[0], named[1]

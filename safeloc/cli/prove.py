@@ -90,6 +90,14 @@ def prove(
     without: Annotated[
         list[str] | None, typer.Option("--without", help="around: leave out this law of the world (repeatable)")
     ] = None,
+    timeout: Annotated[
+        float | None,
+        typer.Option(
+            "--timeout",
+            help="around: limit of effort for the whole question, in seconds as --seconds has them",
+            min=1.0,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", help="around: folder for pictures of the tube, streams that break a claim, certificates"),
@@ -98,7 +106,7 @@ def prove(
     """Prove the properties and obligations of a machine for all streams that obey its assumption, or for those near one."""
     near = AroundOptions(
         around, simulate, tuple(within or ()), tuple(drop or ()), tuple(delay or ()), tuple(claims or ()), first, last,
-        tuple(without or ()), out,
+        tuple(without or ()), out, timeout,
     )  # fmt: skip
     if around is not None or simulate is not None:
         if again or configurations is not None:

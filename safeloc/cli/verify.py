@@ -10,6 +10,8 @@ from typing import Annotated, Any
 import typer
 
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
+from safeloc.assurance.margins.kept_margins import margins_of
+from safeloc.assurance.margins.kept_margins import stamp as margins_stamp
 from safeloc.assurance.mutation.strength import stamp, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.console import err, out, print_json
@@ -90,7 +92,7 @@ def verify(
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed, quick)
     store = store_in(cache)
-    key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store))
+    key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store), margins_stamp(store))
     usable(folder)
     if not fresh and _put_back(kept_report(store, key), folder):
         _checked(folder, jobs, 0, wanted=check)
@@ -103,7 +105,7 @@ def verify(
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    strengths, made = strengths_of(store, loaded), _made(plan)
+    strengths, made, margins = strengths_of(store, loaded), _made(plan), margins_of(store, loaded)
     page = write_folder(
         folder,
         findings,
@@ -112,11 +114,12 @@ def verify(
         strengths=strengths,
         single=single,
         made=made,
+        margins=margins,
         on_written=keep_it,
     )
     store.trim()
     if as_json:
-        print_json(report_data(findings, loaded, evidence_of, strengths, made))
+        print_json(report_data(findings, loaded, evidence_of, strengths, made, margins))
         raise typer.Exit(code(findings))
     print_summary(findings)
     print_cached(findings, quiet=False)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
-from safeloc.report.plot import line_chart
+from safeloc.report.plot import HEIGHT, LEFT, line_chart, line_of_text
 
 _STYLE = (
     "<style>text{font:11px system-ui,sans-serif;fill:#222}.frame{fill:none;stroke:#c8ced3}"
@@ -34,14 +35,55 @@ def deviation_picture(
     band: tuple[Sequence[float | None], Sequence[float | None]],
     broken: int | None = None,
 ) -> str:
-    """Return the same with all values less the recorded one: a tube is often narrow against what it is drawn around."""
+    """Return the same with all values less the recorded one: a tube is often narrow against what it is drawn around.
+
+    Where it is very wide in a few cycles it is cut off there, and the picture says so: else nothing of the others could be seen.
+    """
     lower, upper = (
         [None if value is None or at is None else value - at for value, at in zip(side, recorded, strict=True)]
         for side in band
     )
+    most = _most_shown([max(abs(low or 0), abs(high or 0)) for low, high in zip(lower, upper, strict=True)])
     zero = [None if value is None else 0.0 for value in recorded]
     title = f"{name}: proved bounds of all streams of the tube, less what was recorded"
-    return _file(line_chart(title, unit, {title: zero}, (lower, upper), broken))
+    shown = tuple([None if one is None else min(most, max(-most, one)) for one in side] for side in (lower, upper))
+    chart = line_chart(title, unit, {title: zero}, (shown[0], shown[1]), broken)
+    return _file(_with_note(chart, _cut_off(lower, upper, most, unit)))
+
+
+_USUAL, _TIMES = 0.9, 3.0
+"""The share of the cycles that a picture has to show well, and how many times their greatest deviation it shows."""
+
+
+def _most_shown(values: Sequence[float]) -> float:
+    """Return the deviation at which a picture is cut off: a multiple of that which most cycles keep to, or the greatest."""
+    known = sorted(one for one in values if one)
+    if not known:
+        return math.inf
+    return min(known[-1], _TIMES * known[int(_USUAL * (len(known) - 1))])
+
+
+def _cut_off(lower: Sequence[float | None], upper: Sequence[float | None], most: float, unit: str) -> str:
+    """Return how many cycles a picture cuts off, and the widest of them; "" for none."""
+    beyond = [
+        (abs(one), one, cycle)
+        for side in (lower, upper)
+        for cycle, one in enumerate(side)
+        if one is not None and abs(one) > most
+    ]
+    if not beyond:
+        return ""
+    _, widest, cycle = max(beyond)
+    cycles = len({cycle for _, _, cycle in beyond})
+    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
+    return f"cut off at \N{PLUS-MINUS SIGN}{most:g} {unit} in {some}; widest in cycle {cycle}: {widest:+g} {unit}"
+
+
+def _with_note(chart: str, note: str) -> str:
+    """Return a chart with words below it."""
+    if not chart or not note:
+        return chart
+    return chart.removesuffix("</svg>") + line_of_text(LEFT + 90, HEIGHT - 12, note) + "</svg>"
 
 
 def _file(chart: str) -> str:

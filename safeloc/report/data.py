@@ -45,12 +45,14 @@ def report_data(
     evidence: Mapping[str, Any] = NOT_ASKED,
     strengths: Strengths | None = None,
     made: Mapping[str, Any] | None = None,
+    margins: Mapping[str, Any] = NOT_ASKED,
 ) -> dict[str, Any]:
     """Return the complete report as JSON-ready data.
 
     evidence   target's name -> proof cores and effects of broken clauses (safeloc.report.proof_evidence), if available
     strengths  strength of the evidence for each requirement, if available
     made       command, limits, seed and commit (safeloc.report.made_by), if a command makes the report
+    margins    target's name -> how far its figures may move (safeloc.assurance.margins.kept_margins), where that was found
     """
     targets = list(targets)
     traced = traceability(targets)
@@ -59,6 +61,7 @@ def report_data(
             **machine_data(target),
             "pictures": _pictures(target, findings),
             "evidence": evidence.get(target.name),
+            "margins": margins.get(target.name),
         }
         for target in targets
     ]

@@ -27,6 +27,7 @@ from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.held_in import recordings, statements
 from safeloc.report.links import Links, anchor, linked
+from safeloc.report.margins import first_page_row, margins_shown
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.told import requirement_lines, told_of
@@ -119,6 +120,7 @@ class _Rendering:
             "conditions": self._conditions,
             "resting": counts(self._conditions),
             "claim_rows": self._claim_rows(),
+            "margin_rows": [first_page_row(one["name"], one.get("margins")) for one in data["machines"]],
             "words": words_in(self._said()),
             "first": first_steps(data, links),
         }
@@ -237,6 +239,7 @@ def _machine(
         "statements": statements(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
+        "margins": _drawn(margins_shown(machine.get("margins"))),
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in of_machine if row["kind"] in ("obligation", "lemma")],
         "counts": [(name, _counted(of_machine, kinds)) for name, kinds in _SUMMARY.items()],
@@ -264,6 +267,13 @@ def _rests(evidence: _Data | None) -> dict[str, Any] | None:
         "cores": [_core(one) for one in evidence["cores"] if one["why_none"] != "shown by a run"],
         "picture": Markup(evidence["picture"]),  # labels are escaped
     }
+
+
+def _drawn(margins: dict[str, Any] | None) -> dict[str, Any] | None:
+    """Return margins with their pictures as markup, in which labels are escaped."""
+    if margins is None:
+        return None
+    return {part: [{**one, "picture": Markup(one["picture"])} for one in margins[part]] for part in ("moved", "fronts")}
 
 
 def _core(one: _Data) -> dict[str, Any]:

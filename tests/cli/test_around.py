@@ -70,6 +70,9 @@ def test_results_as_json(call: Call) -> None:
         (["--simulate", "seed=0", "--within", "step_mm=x"], "--within 'step_mm=x': expected NAME=NUMBER"),
         (["--simulate", "seed=0", "--within", "step_mm=1,step_mm=2"], "--within: step_mm is given twice."),
         (["--simulate", "sead=0"], "--simulate: no setting 'sead'; there are line, seed, faults, vehicle. Did you mean 'seed'?"),
+        (["--simulate", "line="], "--simulate line=: there is no value behind it; give one, or leave it out."),
+        (["--simulate", "line=fig3"], "no machine 'near' to drive on a line; there are odometry, balise"),
+        (["--timeout", "9"], "--timeout speaks of streams near one"),
         (["--simulate", "seed=x"], "--simulate seed=x: a seed is a whole number from 0 on."),
         (["--simulate", "faults=slip"], "--simulate faults: only a line has it; give line=NAME too."),
         (["--simulate", "seed=0", "--around", "a"], "--around and --simulate exclude each other"),
@@ -85,6 +88,25 @@ def test_what_is_refused(call: Call, options: list[str], said: str) -> None:
     called = call("prove", NEAR, *options)
     assert called.code == 2
     assert said in " ".join(called.err.replace("│", " ").split())
+
+
+@pytest.mark.thorough
+def test_a_vehicle_on_a_line(call: Call, tmp_path: Path) -> None:
+    """The machine has the vehicle's figures; a stream that breaks a claim replays with them, which are written beside it."""
+    ask = ("prove", "balise", "--simulate", "line=fig3,seed=7,vehicle=metro", "--out", str(tmp_path))
+    called = call(*ask, "--claim", 'mode != "DELOCALIZED"', "--until", "30")
+    assert called.code == 1, called.err
+    assert "violated balise/around simulated line=fig3,seed=7,vehicle=metro/" in " ".join(called.out.split())
+    [replay] = [line for line in called.err.splitlines() if line.startswith("safeloc replay")]
+    assert replay.endswith(f"--config {tmp_path / 'configuration.json'}")
+    assert call(*replay.split()[1:]).code in (0, 3)
+
+
+def test_a_claim_is_proved_up_to_the_last_cycle_in_which_it_is_judged(call: Call) -> None:
+    """The cycles after --until are not run."""
+    words = ("prove", NEAR, "--simulate", "seed=0", "--within", "step_mm=1", "--claim", "place_mm <= 220", "--json")
+    [row] = json.loads(call(*words, "--until", "20").out)["results"]
+    assert (row["verdict"], row["depth"]) == ("proved", 20)
 
 
 @pytest.mark.slow

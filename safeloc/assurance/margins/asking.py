@@ -8,14 +8,18 @@ from typing import Literal
 
 from safeloc.assurance.evidence.interval import HOLDS, claims_of
 from safeloc.assurance.margins.figures import Refused, moved
-from safeloc.assurance.margins.moved_world import in_world_of
+from safeloc.assurance.margins.moved_world import MovedWorld, in_world_of
+from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range
+from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Violated
+from safeloc.proof.provers.along import along
+from safeloc.proof.provers.bmc import search
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
@@ -25,6 +29,10 @@ Where = Literal["world", "design"]
 """Where a figure moves: in the world alone, while the machine keeps its configuration; or in machine, world and claims alike."""
 
 UNMOVED = "nothing in the world depends on it"
+_ALONG_SHARE, _QUICK_SHARE = 0.3, 0.2
+"""Shares of a claim's limit for a run along the way of another one, and for a first short search."""
+_QUICK_STEPS = 5
+"""Steps of the runs of the short search."""
 
 
 @dataclass(frozen=True)
@@ -43,56 +51,127 @@ class Answer:
     inputs: tuple[Mapping[str, Value], ...] = ()
 
 
+_Values = tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A run that breaks a claim."""
+
+    claim: str
+    trace: Trace
+
+
 class Asking:
-    """Asks about one target; an answer is kept. The claim that broke last is asked first, and at first that of the interval."""
+    """Asks about one target; an answer is kept.
 
-    def __init__(self, target: Target, where: Where, limits: Limits, only: Iterable[str] = ()) -> None:
+    rests_on  what of the world each claim rests on, as far as it is known: a claim that rests on nothing that has moved is not
+              asked again
+
+    The claim that broke last is asked first, and at first that of the interval.
+    """
+
+    def __init__(
+        self,
+        target: Target,
+        where: Where,
+        limits: Limits,
+        only: Iterable[str] = (),
+        rests_on: Mapping[str, RestsOn | None] | None = None,
+    ) -> None:
         self._target, self._where, self._limits = target, where, limits
-        self._only = frozenset(only)
-        self._answers: dict[tuple[tuple[str, int], ...], Answer] = {}
-        self._made: dict[tuple[tuple[str, int], ...], Target | str] = {}
+        self._only, self._rests_on = frozenset(only), rests_on or {}
+        self._answers: dict[_Values, Answer] = {}
+        self._runs: dict[_Values, _Run] = {}
+        self._made: dict[_Values, Target | str] = {}
+        self._worlds: dict[_Values, MovedWorld] = {}
         self._broke_last = HOLDS
-
-    def as_it_is(self) -> Answer:
-        """Return whether all claims hold with the figures as they are: without this there is no margin to find."""
-        return self._of_claims(self._target.system, claims_of(self._target))
 
     def refusal(self, values: Mapping[str, int]) -> str:
         """Return the reason why the machine cannot be made at these values; "" if it can."""
-        made = self._at(values)
+        made = self._at(_key(values))
         return made if isinstance(made, str) else ""
 
     def answer(self, values: Mapping[str, int]) -> Answer:
         """Return whether all claims hold with these figures at these values."""
-        key = tuple(sorted(values.items()))
+        key = _key(values)
         if key not in self._answers:
-            self._answers[key] = self._asked(values)
+            self._answers[key] = self._asked(key)
         return self._answers[key]
 
-    def _at(self, values: Mapping[str, int]) -> Target | str:
-        key = tuple(sorted(values.items()))
+    def quickly(self, values: Mapping[str, int]) -> bool:
+        """Return whether a short search finds a run at these values that breaks the claim which is asked first."""
+        key = _key(values)
+        asked = self._claims_at(key) if key not in self._answers else self._answers[key]
+        if not isinstance(asked, Answer) and asked[1]:
+            system, [first, *_] = asked[0], self._in_order(asked[1])
+            run = search(
+                observe(system, replace(first, kept_by=None)), replace(self._share(_QUICK_SHARE), depth=_QUICK_STEPS)
+            )
+            if isinstance(run, Trace):
+                self._answers[key] = self._broken(first, run, key)
+        return key in self._answers and self._answers[key].end == "broken"
+
+    def along(self, values: Mapping[str, int], broken_at: Mapping[str, int]) -> bool:
+        """Return whether a run breaks a claim at these values along the way of the run that breaks it at others.
+
+        If so, this run is the answer at these values.
+        """
+        key, given = _key(values), self._runs[_key(broken_at)]
+        if key in self._answers:
+            return self._answers[key].end == "broken"
+        asked = self._claims_at(key)
+        if isinstance(asked, Answer):
+            return False
+        system, every = asked
+        limits = self._share(_ALONG_SHARE)
+        for prop in every:
+            if prop.name == given.claim:
+                run = along(observe(system, replace(prop, kept_by=None)), given.trace, limits)
+                if run is not None:
+                    self._answers[key] = self._broken(prop, run, key)
+        return key in self._answers
+
+    def _at(self, key: _Values) -> Target | str:
         if key not in self._made:
             try:
-                self._made[key] = moved(self._target, values)
+                self._made[key] = moved(self._target, dict(key))
             except Refused as error:
                 self._made[key] = str(error)
         return self._made[key]
 
-    def _asked(self, values: Mapping[str, int]) -> Answer:
-        made = self._at(values)
+    def _asked(self, key: _Values) -> Answer:
+        asked = self._claims_at(key)
+        return asked if isinstance(asked, Answer) else self._of_claims(*asked, key)
+
+    def _claims_at(self, key: _Values) -> tuple[TransitionSystem, list[Property]] | Answer:
+        """Return the system at these values with the claims that are open there; an answer if there is nothing to ask."""
+        made = self._at(key)
         if isinstance(made, str):
             return Answer("refused", why=made)
         if self._where == "design":
-            return self._of_claims(made.system, claims_of(made))
+            return made.system, self._chosen(claims_of(made))
         try:
-            world = in_world_of(self._target.system, made.system)
+            world = self._world(key, made)
         except Refused as error:
             return Answer("refused", why=str(error))
         if not world.differs:
             return Answer("proved", why=UNMOVED)
+        moved_claims = [prop for prop in self._chosen(claims_of(self._target)) if self._may_move(prop, world)]
+        if not moved_claims:
+            return Answer("proved", why="no proof of a claim rests on what it moves")
         if not world.moves and not world.ranges and self._allows_no_more(world.system):
             return Answer("proved", why="the world allows nothing that it did not allow before")
-        return self._of_claims(world.system, map(world.claim, claims_of(self._target)))
+        return world.system, [world.claim(prop) for prop in moved_claims]
+
+    def _world(self, key: _Values, made: Target) -> MovedWorld:
+        if key not in self._worlds:
+            self._worlds[key] = in_world_of(self._target.system, made.system)
+        return self._worlds[key]
+
+    def _may_move(self, prop: Property, world: MovedWorld) -> bool:
+        rests = self._rests_on.get(prop.name)
+        return rests is None or rests.is_moved_by(world)
 
     def _allows_no_more(self, system: TransitionSystem) -> bool:
         """True if the assumption implies the original one: what was proved of the original holds here too."""
@@ -100,18 +179,33 @@ class Asking:
         query = Query(f"{system.name}: the moved world allows no more", given, {"": self._target.system.assume})
         return not unproved(query, self._limits.seconds)
 
-    def _of_claims(self, system: TransitionSystem, every: Iterable[Property]) -> Answer:
-        asked = [prop for prop in every if not self._only or prop.name in self._only]
-        for prop in sorted(asked, key=lambda one: one.name != self._broke_last):
+    def _chosen(self, every: Iterable[Property]) -> list[Property]:
+        return [prop for prop in every if not self._only or prop.name in self._only]
+
+    def _in_order(self, every: Iterable[Property]) -> list[Property]:
+        return sorted(every, key=lambda one: one.name != self._broke_last)
+
+    def _share(self, share: float) -> Limits:
+        return replace(self._limits, seconds=self._limits.seconds * share)
+
+    def _of_claims(self, system: TransitionSystem, every: Iterable[Property], key: _Values) -> Answer:
+        for prop in self._in_order(self._chosen(every)):
             verdict = prove_one(observe(system, replace(prop, kept_by=None)), self._limits)
             if isinstance(verdict, Violated) and verdict.trace is not None:
-                self._broke_last = prop.name
-                inputs = tuple(dict(step.inputs) for step in verdict.trace.steps)
-                return Answer("broken", prop.name, first=dict(verdict.trace.initial), inputs=inputs)
+                return self._broken(prop, verdict.trace, key)
             if not isinstance(verdict, Proved):
                 self._broke_last = prop.name
                 return Answer("undecided", prop.name)
         return Answer("proved")
+
+    def _broken(self, prop: Property, run: Trace, key: _Values) -> Answer:
+        self._broke_last, self._runs[key] = prop.name, _Run(prop.name, run)
+        inputs = tuple(dict(step.inputs) for step in run.steps)
+        return Answer("broken", prop.name, first=dict(run.initial), inputs=inputs)
+
+
+def _key(values: Mapping[str, int]) -> _Values:
+    return tuple(sorted(values.items()))
 
 
 def chosen_claims(target: Target, names: list[str] | None) -> list[str]:

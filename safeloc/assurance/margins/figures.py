@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from safeloc.catalogue import ENTRIES, Target
-from safeloc.errors import InputError, ModelError
+from safeloc.errors import InputError, ModelError, SafelocError, UnforeseenError
 from safeloc.language.renamed import hint
 from safeloc.own_module import own_target
 
@@ -67,7 +67,11 @@ class Refused(InputError):
 
 
 def moved(target: Target, values: Mapping[str, int]) -> Target:
-    """Return the target made with these figures at these values. Refused, with the reason, if it cannot be made."""
+    """Return the target made with these figures at these values.
+
+    Refused, with the reason, if its configuration or its declaration does not take them. Any other error of the maker is a defect
+    of the maker, and no reason why a figure may not move.
+    """
     try:
         if target.spec in ENTRIES and target.config is not None:
             entry = ENTRIES[target.spec]
@@ -76,7 +80,9 @@ def moved(target: Target, values: Mapping[str, int]) -> Target:
         return own_target(target.spec, target.config_file, _with(target.given or {}, values))
     except ValidationError as error:
         raise Refused(str(error.errors()[0]["msg"]).removeprefix("Value error, ")) from None
-    except (InputError, ModelError, ValueError) as error:
+    except (InputError, ModelError) as error:
+        if isinstance(error, UnforeseenError) or not isinstance(error.__cause__, SafelocError | ValidationError | None):
+            raise
         raise Refused(str(error).splitlines()[-1].strip(" -")) from None
 
 

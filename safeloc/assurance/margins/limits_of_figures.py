@@ -10,8 +10,10 @@ from safeloc.assurance.margins.asking import Answer, Asking
 from safeloc.assurance.margins.figures import Figure
 
 Direction = Literal["up", "down"]
-_PATIENCE = 6
-"""Questions at most for a nearer run beyond a value that is not decided: each of them takes the whole limit."""
+_PATIENCE = 3
+"""Values at most that are not decided in a search that goes on: each of them takes the whole limit."""
+_GROWTH = 4
+"""Factor of the steps away from a figure's own value."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Limit:
 
     holds_to  the last value at which all claims are proved; the figure's own value if there is no margin
     end       the answer at the value beyond: broken (by a run), undecided, refused; proved: the range ends at `holds_to`
-    beyond    the value beyond; None at the end of the range
+    beyond    the value beyond, the next one unless it is undecided; None at the end of the range
     broken_at  if the value beyond is undecided: one farther away at which a run breaks a claim
     proved_why  the reason why no claim had to be proved at `holds_to`, if none had
     """
@@ -41,26 +43,21 @@ class Limit:
 
 def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[str, int] | None = None) -> Limit:
     """Return the limit of a figure in one direction. fixed: other figures that have moved already."""
-    search = _Search(asking, figure, dict(fixed or {}))
-    end = figure.high if direction == "up" else figure.low
-    if end == figure.value:
+    search = _Search(asking, figure, direction, dict(fixed or {}))
+    if search.end == figure.value:
         return Limit(figure, direction, figure.value, Answer("proved"), None)
-    admitted = search.last_admitted(end)
+    if fixed and search.answer(figure.value).end != "proved":
+        return Limit(figure, direction, figure.value, search.answer(figure.value), figure.value)
+    admitted = search.last_admitted()
     if admitted == figure.value:
-        beyond = figure.value + search.sign(end)
+        beyond = figure.value + search.sign
         return Limit(figure, direction, figure.value, Answer("refused", why=search.refusal(beyond)), beyond)
-    next_value = figure.value + search.sign(end)
-    if search.answer(next_value).end == "broken":
-        return Limit(figure, direction, figure.value, search.answer(next_value), next_value)
+    beside = figure.value + search.sign
+    if search.quickly(beside):
+        return Limit(figure, direction, figure.value, search.answer(beside), beside)
     if search.answer(admitted).end == "proved":
-        return search.at_the_end(direction, admitted, end)
-    good, bad = search.bracket(admitted)
-    good, bad = nearest(good, bad, lambda value: search.answer(value).end == "proved")
-    broken_at = None
-    if search.answer(bad).end == "undecided" and search.answer(admitted).end == "broken":
-        _, broken_at = nearest(bad, admitted, lambda value: search.answer(value).end != "broken", _PATIENCE)
-    why = "" if good == figure.value else search.answer(good).why
-    return Limit(figure, direction, good, search.answer(bad), bad, broken_at, why)
+        return search.at_the_end(admitted)
+    return search.between(admitted)
 
 
 def nearest(good: int, bad: int, is_good: Callable[[int], bool], most: int = 64) -> tuple[int, int]:
@@ -82,43 +79,96 @@ def nearest(good: int, bad: int, is_good: Callable[[int], bool], most: int = 64)
 class _Search:
     """The answers along one figure."""
 
-    def __init__(self, asking: Asking, figure: Figure, fixed: dict[str, int]) -> None:
+    def __init__(self, asking: Asking, figure: Figure, direction: Direction, fixed: dict[str, int]) -> None:
         self._asking, self._figure, self._fixed = asking, figure, fixed
-
-    def sign(self, end: int) -> int:
-        """Return the direction towards the end."""
-        return 1 if end > self._figure.value else -1
+        self._direction: Direction = direction
+        self.end = figure.high if direction == "up" else figure.low
+        self.sign = 1 if direction == "up" else -1
 
     def refusal(self, value: int) -> str:
         """Return why the machine cannot be made at this value; "" if it can."""
-        return self._asking.refusal({**self._fixed, self._figure.name: value})
+        return self._asking.refusal(self._at(value))
 
     def answer(self, value: int) -> Answer:
         """Return the answer at this value."""
-        return self._asking.answer({**self._fixed, self._figure.name: value})
+        return self._asking.answer(self._at(value))
 
-    def last_admitted(self, end: int) -> int:
+    def quickly(self, value: int) -> bool:
+        """Return whether a short search finds a run at this value."""
+        return self._asking.quickly(self._at(value))
+
+    def _at(self, value: int) -> dict[str, int]:
+        return {**self._fixed, self._figure.name: value}
+
+    def last_admitted(self) -> int:
         """Return the value towards the end after which the configuration refuses the next; the end if it refuses none."""
-        if not self.refusal(end):
-            return end
-        return nearest(self._figure.value, end, lambda value: not self.refusal(value))[0]
+        if not self.refusal(self.end):
+            return self.end
+        return nearest(self._figure.value, self.end, lambda value: not self.refusal(value))[0]
 
-    def bracket(self, end: int) -> tuple[int, int]:
-        """Return a value that holds and one that does not: from the figure's own value in growing steps towards the end."""
-        good, step = self._figure.value, 1
-        while True:
-            tried = self._figure.value + self.sign(end) * step
-            if abs(tried - self._figure.value) >= abs(end - self._figure.value):
-                return good, end
-            if self.answer(tried).end != "proved":
-                return good, tried
-            good, step = tried, 4 * step
-
-    def at_the_end(self, direction: Direction, admitted: int, end: int) -> Limit:
+    def at_the_end(self, admitted: int) -> Limit:
         """Return the limit of a figure whose claims hold at the last value that the configuration admits."""
-        proved = self.answer(admitted)
-        if admitted == end:
-            return Limit(self._figure, direction, admitted, Answer("proved"), None, proved_why=proved.why)
-        beyond = admitted + self.sign(end)
+        proved, figure = self.answer(admitted), self._figure
+        if admitted == self.end:
+            return Limit(figure, self._direction, admitted, Answer("proved"), None, proved_why=proved.why)
+        beyond = admitted + self.sign
         refused = Answer("refused", why=self.refusal(beyond))
-        return Limit(self._figure, direction, admitted, refused, beyond, proved_why=proved.why)
+        return Limit(figure, self._direction, admitted, refused, beyond, proved_why=proved.why)
+
+    def between(self, end: int) -> Limit:
+        """Return the limit before a value at which the claims are not proved.
+
+        From a value at which a run breaks a claim the search goes along that run to the nearest one, and asks all claims beside it.
+        """
+        good, bad, run_at, undecided = self._figure.value, end, None, 0
+        tries = _Tries(self._figure.value, self.sign)
+        while True:
+            if self.answer(bad).end == "broken":
+                bad = run_at = self._nearest_along(good, bad)
+            else:
+                undecided += 1
+            if abs(bad - good) == 1 or undecided > _PATIENCE:
+                break
+            tried = tries.between(good, bad, run=self.answer(bad).end == "broken")
+            if self.answer(tried).end == "proved":
+                good = tried
+            else:
+                bad = tried
+        why = "" if good == self._figure.value else self.answer(good).why
+        farther = None if run_at == bad else run_at
+        return Limit(self._figure, self._direction, good, self.answer(bad), bad, farther, why)
+
+    def _nearest_along(self, good: int, bad: int) -> int:
+        """Return the value nearest to a good one at which a run breaks the claim along the way of the run at the bad one."""
+        best = bad
+
+        def none_at(value: int) -> bool:
+            nonlocal best
+            found = self._asking.along(self._at(value), self._at(best))
+            best = value if found else best
+            return not found
+
+        if abs(bad - good) > 1 and not none_at(good + self.sign):
+            return best
+        return nearest(good, bad, none_at)[1]
+
+
+class _Tries:
+    """The values that are asked between a good and a bad one.
+
+    Beside a run first the next value, then the middle, in turn; before what is not decided in growing steps from the figure's own
+    value, then the middle.
+    """
+
+    def __init__(self, value: int, sign: int) -> None:
+        self._value, self._sign, self._step, self._beside = value, sign, 1, True
+
+    def between(self, good: int, bad: int, *, run: bool) -> int:
+        """Return the next value to ask."""
+        if run:
+            self._beside = not self._beside
+            return (good + bad) // 2 if self._beside else bad - self._sign
+        while self._step <= abs(good - self._value):
+            self._step *= _GROWTH
+        tried = self._value + self._sign * self._step
+        return tried if abs(tried - self._value) < abs(bad - self._value) else (good + bad) // 2

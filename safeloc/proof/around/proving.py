@@ -9,6 +9,7 @@ Each claim is asked in up to three ways, the cheapest first:
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,8 +32,8 @@ from safeloc.proof.around.deviations import PARTS, Deviations
 from safeloc.proof.around.members import Empty, Member, emptied, first_unlawful, member
 from safeloc.proof.around.nearest import nearest
 from safeloc.proof.around.tube import Given, Tube
-from safeloc.proof.around.windows import Breaks, Claim, Holds, Observe, Open, Outcome, Windows, breaking
-from safeloc.proof.provers.limits import Limits
+from safeloc.proof.around.windows import OVER, Breaks, Claim, Holds, Observe, Open, Outcome, Windows, breaking
+from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.results import Finding
@@ -49,6 +50,7 @@ class Around:
     name     of the stream
     general  looks for a general proof of a declared property
     watched  is called with every course of a window, such as to draw the tube
+    seconds_in_all  limit of effort for the whole question, besides those of `limits` for each of its parts
     """
 
     target: str
@@ -62,6 +64,7 @@ class Around:
     general: General | None = None
     watched: Observe | None = None
     say: Callable[[str], None] = field(default=lambda _: None)
+    seconds_in_all: float = math.inf
 
     def findings(self) -> list[Finding]:
         """Decide every claim; return one finding of each."""
@@ -83,7 +86,7 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.board = _Way(without_ghosts(self.of.system), "for all inputs of the tube, without any law", lawful=False)
-        self._began = time.monotonic()
+        self._began, self._ends = time.monotonic(), deadline(self.of.seconds_in_all)
         self._members: dict[bool, Member | Empty | None] = {}
 
     # -------------------------------------------------------------- findings
@@ -146,7 +149,7 @@ class _Run:
             case Holds(texts, by_folding):
                 by = confirmed_by(texts)
                 how = "windows with proved hand-over states" if texts else "folding of every step"
-                depth = self.of.given.length
+                depth = self.of.given.length if asked.last is None else asked.last
                 return (
                     Proved(
                         None,
@@ -162,7 +165,8 @@ class _Run:
                 return self._violated(asked, outcome, words)
             case Open(cycles, reason):
                 told = ", ".join(map(str, cycles))
-                what = "try narrower widths, fewer inputs in --within, or a greater --seconds"
+                more = "--timeout" if reason == OVER else "--seconds"
+                what = f"try narrower widths, fewer inputs in --within, or a greater {more}"
                 return Unknown(f"undecided in cycle {told}: {reason}; {what}", min(cycles) - 1), f"windows, {words}"
 
     def _violated(self, asked: Asked, found: Breaks, words: str) -> tuple[Result, str]:
@@ -203,7 +207,7 @@ class _Run:
                 found.append((one, settled, self.board.words))
                 left.remove(one)
         for one in list(left):
-            texts = None if one.own or self.of.general is None or self.of.without else self.of.general(one.prop)
+            texts = self._in_general(one)
             if texts is not None:
                 found.append((one, Holds(texts, by_folding=False), "it follows from the proof for all lawful streams"))
                 left.remove(one)
@@ -211,6 +215,12 @@ class _Run:
             way = self._lawful_way(group[0].prop)
             found += [(one, outcome, way.words) for one, outcome in self._passed(way, group, tube).items()]
         return found
+
+    def _in_general(self, asked: Asked) -> Mapping[str, str] | None:
+        """Return the certificates of the proof of a declared property for all lawful streams, if there is one."""
+        if asked.own or self.of.general is None or self.of.without or self._ends.passed:
+            return None
+        return self.of.general(asked.prop)
 
     def _at_corners(self, asked: Sequence[Asked], tube: Tube) -> dict[Asked, Breaks]:
         """Return claims that a stream at the corners of the tube breaks, with the truth if they rely on laws."""
@@ -267,8 +277,10 @@ class _Run:
         if not asked:
             return {}
         space, claims = self._space(way, asked, tube)
-        self.of.say(f"{len(asked)} claims through {tube.length} cycles, {way.words}")
-        outcomes = Windows(space, list(claims.values()), self.of.limits, watched=self.of.watched).outcomes()
+        self.of.say(f"{len(asked)} claims through {_last(asked, tube)} cycles, {way.words}")
+        outcomes = Windows(
+            space, list(claims.values()), self.of.limits, watched=self.of.watched, ends=self._ends
+        ).outcomes()
         return {one: outcomes[claim] for one, claim in claims.items()}
 
     def _space(self, way: _Way, asked: Sequence[Asked], tube: Tube) -> tuple[Space, dict[Asked, Claim]]:
@@ -285,6 +297,8 @@ class _Run:
 
     def _again(self, asked: Asked, parts: int, cycle: int) -> Breaks | None:
         """Return a stream of the scaled tube that breaks a claim in a cycle: on board if it can be lawful, else with the laws."""
+        if self._ends.passed:
+            return None
         tube = self._tube(parts)
         if _readable(asked.prop, self.board.system):
             found = self._breaking(self.board, asked, tube, cycle)
@@ -348,6 +362,11 @@ class _Run:
                 f"a stream that breaks {asked.prop.name!r} leaves the tube in cycle {outside}; report this."
             )
         return _broken_run(goal, asked, way, found)
+
+
+def _last(asked: Sequence[Asked], tube: Tube) -> int:
+    """Return the last cycle in which one of the claims is judged."""
+    return max(tube.length if one.last is None else min(one.last, tube.length) for one in asked)
 
 
 def _broken_run(goal: Goal, asked: Asked, way: _Way, found: Breaks) -> Trace:

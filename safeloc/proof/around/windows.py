@@ -6,6 +6,7 @@ From there the cycles are exact: a model is a stream that breaks the claim.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
@@ -17,7 +18,7 @@ from safeloc.language.spec import Goal
 from safeloc.proof.around.course import Course, Piece, Space, first_piece
 from safeloc.proof.around.hand_over import UnsettledError, hand_over, joined
 from safeloc.proof.provers.implication import Undecided, countermodel
-from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.settle import settled
 
 _MOST_CHOICES = 12
@@ -26,6 +27,10 @@ _BACK_SECONDS = 6.0
 """Seconds of effort for a question from the states of earlier windows."""
 _BACK_WINDOWS = 2.0
 """Multiple of the limit for all these questions of one claim in one window."""
+OVER = "the time for the whole question is over"
+"""The reason of a claim that is left when the limit of the whole question is reached."""
+_LEAST_SECONDS = 0.1
+"""Seconds of effort that a question gets at least, so that a window that was begun is left in order."""
 _WINDOW = 20
 """Cycles of a window, as long as nothing is left undecided."""
 
@@ -90,8 +95,9 @@ Observe: TypeAlias = Callable[[Course], None]
 
 @dataclass(eq=False)
 class Windows:
-    """One passage through the tube.
+    """One passage through the tube, up to the last cycle in which a claim is judged.
 
+    ends     the limit of the whole question: what is left open by then is undecided
     watched  called with every course of a window
     """
 
@@ -100,6 +106,7 @@ class Windows:
     limits: Limits
     window: int = _WINDOW
     watched: Observe | None = None
+    ends: Deadline = field(default_factory=lambda: deadline(math.inf))
     handed: list[tuple[int, Sequence[Piece]]] = field(default_factory=list, init=False)
     texts: dict[str, str] = field(default_factory=dict, init=False)
     empty: int | None = field(default=None, init=False)
@@ -113,11 +120,14 @@ class Windows:
         self.handed.append((0, [first_piece(self.space)]))
         self._judge([Course(self.space, self.handed[0][1][0], 0)], 0, 0)
         try:
-            while self._left() and self._judged < self.space.tube.length and self.empty is None:
+            while self._left() and self._judged < self._last() and self.empty is None:
+                if self.ends.passed:
+                    raise UnsettledError(OVER)  # as where states are not settled, what is left is open
                 self._window()
         except UnsettledError as why:
             cycle = self.handed[-1][0] + 1
-            self._found |= {claim: Open((cycle,), f"the states after cycle {cycle}: {why}") for claim in self._left()}
+            told = OVER if self.ends.passed else f"the states after cycle {cycle}: {why}"
+            self._found |= {claim: Open((cycle,), told) for claim in self._left() if self._is_judged_after(claim)}
         return {claim: self._found.get(claim) or self._holding(claim) for claim in self.claims}
 
     def _holding(self, claim: Claim) -> Holds:
@@ -125,6 +135,19 @@ class Windows:
 
     def _left(self) -> list[Claim]:
         return [claim for claim in self.claims if claim not in self._found]
+
+    def _last(self) -> int:
+        """Return the last cycle in which a claim that is left is judged."""
+        length = self.space.tube.length
+        return max(length if claim.last is None else min(claim.last, length) for claim in self._left())
+
+    def _is_judged_after(self, claim: Claim) -> bool:
+        """Return whether a claim speaks of a cycle that was not judged yet."""
+        return claim.last is None or claim.last > self._judged
+
+    def _seconds(self) -> float:
+        """Return the limit of a question: its own, or what is left of the whole."""
+        return min(self.limits.seconds, max(self.ends.left, _LEAST_SECONDS))
 
     def _window(self) -> None:
         at, pieces = self.handed[-1]
@@ -135,7 +158,7 @@ class Windows:
                 self.watched(course)
         self._judge(courses, at + 1, to)
         self._judged = to
-        if to < self.space.tube.length and self._left():
+        if self._left() and to < self._last():
             self.handed.append((to, self._handed_over(courses)))
             if not self.handed[-1][1]:
                 self.empty = to
@@ -155,7 +178,7 @@ class Windows:
         found: list[Piece] = []
         for number, course in enumerate(courses, 1):
             name = f"{self.space.system.name} after cycle {course.end} from {course.begin}.{number}"
-            made = hand_over(course, deadline(self.limits.seconds), name)
+            made = hand_over(course, deadline(self._seconds()), name)
             self.texts |= made.texts
             found += made.pieces
         labels = list(dict.fromkeys(var for piece in found for var in piece.fixed if self.space.tells_apart(var)))
@@ -180,7 +203,7 @@ class Windows:
         for last, goals in _together(course, claims, begin, end):
             asked = settled(
                 Query(self._name(course, last), course.hypotheses(last), goals),
-                deadline(self.limits.seconds if seconds is None else seconds),
+                deadline(self._seconds() if seconds is None else seconds),
             )
             for key in goals:
                 self._of_claim[by_name[key.claim]] |= asked.texts
@@ -191,7 +214,7 @@ class Windows:
 
     def _from_further_back(self, claim: Claim, cycle: int, end: int) -> None:
         """Decide a claim from a failing cycle to the end of the window, from the states of earlier windows."""
-        ends, at = deadline(_BACK_WINDOWS * self.limits.seconds), self.handed[-1][0]
+        ends, at = deadline(_BACK_WINDOWS * self._seconds()), self.handed[-1][0]
         for back in _doubling(len(self.handed) - 1):
             at, pieces = self.handed[-1 - back]
             courses = [Course(self.space, piece, at).to(end) for piece in pieces]

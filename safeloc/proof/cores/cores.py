@@ -6,12 +6,13 @@ alone. z3 finds the sets; the verdicts rest on the certificates of `prove`, not 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved
-from safeloc.proof.cores.elements import Asked, Element, asked
+from safeloc.proof.cores.elements import Asked, Element, asked, asked_of_the_world
 from safeloc.proof.cores.steps import Switched
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import inherited, prove_one
@@ -19,7 +20,7 @@ from safeloc.proof.provers.proved_base import Base, base
 
 _QUESTION_SHARE = 0.2
 """Share of the time limit for a claim that each query gets which tries to leave out one element."""
-_ORDER = ("range", "lemma", "contract", "row", "clause")
+_ORDER = ("range", "lemma", "contract", "row", "move", "clause")
 """The order in which kinds of elements are left out; clauses come last, when the core is small already."""
 
 
@@ -51,6 +52,35 @@ def core(system: TransitionSystem, prop: Property, limits: Limits) -> Core:
         part, claim = of_one_machine
         return _core(part.alone, claim, limits, prop.name, part.name)
     return _core(system, prop, limits, prop.name, "")
+
+
+def of_the_world(system: TransitionSystem, prop: Property, limits: Limits) -> Asked | None:
+    """Return what of its world, with lemmas, suffices to prove a claim on a single machine; None if no induction within the limits does.
+
+    It is small, and not minimal: clauses and moves are left out one by one, lemmas and ranges only as far as the solver names them.
+    """
+    claim = asked_of_the_world(system, prop, base(system, seconds=limits.seconds))
+    proof = _proof(claim, limits)
+    if proof is None:
+        return None
+    left = _as_named(proof, claim.elements)
+    for one in sorted(left, key=lambda element: (_ORDER.index(element.kind), element.name)):
+        if one in left and one.kind in ("clause", "move"):
+            fewer = proof.proved_by([other for other in left if other is not one])
+            left = left if fewer is None else fewer
+    return replace(
+        claim,
+        steps={one: claim.steps[one] for one in left if one in claim.steps},
+        states={one: claim.states[one] for one in left if one in claim.states},
+    )
+
+
+def _as_named(proof: Switched, every: Sequence[Element]) -> tuple[Element, ...]:
+    """Return the elements that the solver names as those of its proof, asked again as long as it names fewer."""
+    left = tuple(every)
+    while (named := proof.proved_by(left)) is not None and len(named) < len(left):
+        left = named
+    return left
 
 
 def _core(system: TransitionSystem, prop: Property, limits: Limits, name: str, kept_by: str) -> Core:

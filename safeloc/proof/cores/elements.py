@@ -20,7 +20,7 @@ from safeloc.proof.cores.clauses import assumed_clauses
 from safeloc.proof.provers.kinduction import given_facts
 from safeloc.proof.provers.proved_base import Base
 
-Kind = Literal["clause", "contract", "lemma", "range", "row"]
+Kind = Literal["clause", "contract", "lemma", "range", "row", "move"]
 
 
 @dataclass(frozen=True, order=True)
@@ -32,6 +32,7 @@ class Element:
     lemma     a proved lemma
     range     a ghost stays in its declared range
     row       a transition of the machine
+    move      how a ghost of the world moves; an element only of `asked_of_the_world`
     """
 
     kind: Kind
@@ -78,6 +79,16 @@ def asked(
     again = Substitution({var: by_name[var.name] for term in found.values() for var in variables([term])})
     further = {one: again.bool(term) for one, term in found.items()}
     return Asked(goal, {**bound, **rows}, {**_facts(goal, known), **further}, together=not system.parts)
+
+
+def asked_of_the_world(system: TransitionSystem, prop: Property, known: Base) -> Asked:
+    """Return the claim on a single machine with the elements of its world, and lemmas; the rows of the machine are as they are."""
+    after = {var: _after(var) for var in system.state if var in system.ghosts}
+    stepped = replace(system, inputs=(*system.inputs, *after.values()), next={**system.next, **after})
+    goal = observe(stepped, prop)
+    moves = {Element("move", system.name, var.name): _same(later, system.next[var]) for var, later in after.items()}
+    bound = dict[Element, Bool]() if prop.unconditional else _clauses(system)
+    return Asked(goal, {**bound, **moves}, _facts(goal, known), together=True)
 
 
 def _after(var: Var) -> Var:

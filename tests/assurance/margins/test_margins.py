@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import asdict
 from pathlib import Path
 
@@ -12,17 +13,19 @@ from safeloc.assurance.evidence.interval import HOLDS
 from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
+from safeloc.assurance.margins.makers import maker_digest
 from safeloc.assurance.margins.margin_data import in_words
 from safeloc.assurance.margins.margin_work import Margins, from_data, front
-from safeloc.catalogue import load_target
+from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.proof.cache.contents import target_digest
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 from safeloc.target import Target
 from tests.cli.calling import Call, caller
 
-EXAMPLE = Path("docs/examples/marked_line.py")
+EXAMPLE, TWO_READERS = Path("docs/examples/marked_line.py"), Path("docs/examples/two_readers.py")
 LIMITS = Limits(seconds=10)
 
 
@@ -61,6 +64,30 @@ def test_the_longest_stretch_of_other_figures(tmp_path: Path, constant: int, rat
     assert longest_stretch(layout) == found.holds_to
 
 
+def worst_run(length: int, distance: int) -> int:
+    """Closed form, for 0 < L < D: no run between readings of a front and a rear reader reaches this; every shorter one occurs."""
+    return max(length, distance - length)
+
+
+@pytest.mark.parametrize(("length", "distance"), [(204_700, 500_000), (100_000, 550_000)])
+@pytest.mark.parametrize(
+    ("name", "way"), [("vehicle_length_mm", "up"), ("vehicle_length_mm", "down"), ("marker_distance_mm", "up")]
+)
+def test_two_readers_run_as_far_as_the_closed_form_says(
+    tmp_path: Path, length: int, distance: int, name: str, way: Direction
+) -> None:
+    """max(L, D - L) against the longest run that the tolerance allows: proved up to it, a run beyond it."""
+    given = {"vehicle_length_mm": length, "marker_distance_mm": distance}
+    law = {"constant_mm": 5_000, "rate_ppm": 50_000, "tolerance_mm": 30_000}
+    text = "\n".join(f"{one} = {value}" for one, value in {**given, **law}.items())
+    (tmp_path / "vehicle.toml").write_text(text, encoding="utf-8")
+    found = limit_of(load_target(f"{TWO_READERS}:machine", tmp_path / "vehicle.toml"), name, way, "world")
+    bound = longest_stretch(LayoutConfig()) + 1
+    at, beyond = ({**given, name: value} for value in (found.holds_to, found.holds_to + (1 if way == "up" else -1)))
+    assert worst_run(*at.values()) <= bound < worst_run(*beyond.values())
+    assert found.end.end == "broken"
+
+
 def test_a_figure_of_the_machine_alone_does_not_move_the_world(line: Target) -> None:
     """No clause has the tolerance; as a design it has a limit: 30 m less what 300 m leave."""
     assert limit_of(line, "tolerance_mm", "down", "world").proved_why == UNMOVED
@@ -80,7 +107,7 @@ def test_the_front_of_two_figures(line: Target) -> None:
     """Each point is the other figure's limit, and the more one takes, the less is left to the other."""
     work = Margins(line, "world", chosen_claims(line, None), LIMITS)
     every = figures(line)
-    points = list(front(work, every["stretch_mm"], "up", every["rate_ppm"], "up"))
+    points = list(front(work, (every["stretch_mm"], "up"), (every["rate_ppm"], "up")))
     assert [300_000, 470_000] == [points[0][0], points[-1][0]]
     left = [one.holds_to for _, one in points]
     assert left == sorted(left, reverse=True)
@@ -101,6 +128,19 @@ def test_singles_are_kept(line: Target, tmp_path: Path) -> None:
     first = found(None)
     assert [one.holds_to for one in first] == [0, 470_000]
     assert found(store) == first
+
+
+def test_margins_belong_to_the_code_that_makes_the_machine(tmp_path: Path) -> None:
+    """With other figures an edited maker makes another world, though with these it makes the same."""
+    own, text = tmp_path / "own.py", EXAMPLE.read_text(encoding="utf-8")
+    own.write_text(text, encoding="utf-8")
+    before = load_target(f"{own}:machine", EXAMPLE.with_suffix(".toml"))
+    first = maker_digest(before)
+    assert maker_digest(before) == first
+    own.write_text(text.replace('given["stretch_mm"]', 'min(given["stretch_mm"], 400_000)'), encoding="utf-8")
+    after = load_target(f"{own}:machine", EXAMPLE.with_suffix(".toml"))
+    assert target_digest(before) == target_digest(after)
+    assert maker_digest(after) != first
 
 
 def test_a_shipped_machine_in_a_world_that_errs_more() -> None:
@@ -136,6 +176,36 @@ def test_a_figure_that_makes_other_variables_cannot_move_alone() -> None:
 def test_moved_refuses_with_the_reason() -> None:
     with pytest.raises(Refused, match="Input should be greater than or equal to"):
         moved(load_target("stop_point"), {"brake_mm_s2": -1})
+
+
+@pytest.mark.parametrize(
+    ("raised", "refused"),
+    [("InputError('no: too long')", True), ("ValueError('a defect')", False), ("KeyError(1)", False)],
+)
+def test_only_a_refusal_is_a_reason(tmp_path: Path, raised: str, refused: bool) -> None:
+    """What the maker raises on purpose ends a search; its defects are told as they are."""
+    own = tmp_path / "own.py"
+    changed = EXAMPLE.read_text(encoding="utf-8").replace(
+        "    error = measured", f"    if given['stretch_mm'] > 300_000:\n        raise {raised}\n    error = measured"
+    )
+    own.write_text(f"{changed}\nfrom safeloc.errors import InputError\n", encoding="utf-8")
+    line = load_target(f"{own}:machine", EXAMPLE.with_suffix(".toml"))
+    with pytest.raises(
+        InputError, match="too long" if refused else r"own.py:machine fails: (Value|Key)Error"
+    ) as caught:
+        moved(line, {"stretch_mm": 400_000})
+    assert isinstance(caught.value, Refused) is refused
+
+
+PAGE = re.findall(
+    r"```sh\nsafeloc (margins .*?)\n```\n```text\n(.*?)```", Path("docs/margins.md").read_text("utf-8"), re.DOTALL
+)
+
+
+@pytest.mark.parametrize(("command", "printed"), PAGE)
+def test_the_page_tells_what_the_command_prints(call: Call, tmp_path: Path, command: str, printed: str) -> None:
+    assert len(PAGE) == 2
+    assert printed in call(*command.split(), "--cache", str(tmp_path)).out
 
 
 def test_unknown_names_are_refused_with_the_nearest(line: Target) -> None:
@@ -178,10 +248,8 @@ def _call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_the_command(call: Call, tmp_path: Path) -> None:
-    """Lines for people, JSON for programs, and a clear refusal of a direction."""
+    """JSON for programs, and a clear refusal of a direction; lines for people are those of the page."""
     words = [f"{EXAMPLE}:machine", "--config", str(EXAMPLE.with_suffix(".toml")), "--cache", str(tmp_path)]
-    told = call("margins", *words, "--figure", "stretch_mm")
-    assert "up    to 470000 (170000); at 470001 a run of 1 cycle breaks 'a position everywhere'" in told.out
     data = json.loads(call("margins", *words, "--figure", "stretch_mm", "--json").out)
     assert [(one["direction"], one["holds_to"]) for one in data["limits"]] == [("down", 0), ("up", 470_000)]
     pair = call("margins", *words, "--pair", "stretch_mm:up,rate_ppm:sideways")
@@ -190,13 +258,54 @@ def test_the_command(call: Call, tmp_path: Path) -> None:
     assert "'rate_ppm:sideways'" in pair.err
 
 
+def test_a_front_is_printed_drawn_and_kept(call: Call, tmp_path: Path) -> None:
+    """A vehicle with a longer stretch between its readers may err less; the second call finds the points in the store."""
+    words = [f"{TWO_READERS}:machine", "--config", str(TWO_READERS.with_suffix(".toml")), "--cache", str(tmp_path)]
+    pair = ["--pair", "vehicle_length_mm:up,marker_distance_mm:up"]
+    told = call("margins", *words, *pair, "--out", str(tmp_path / "drawn"))
+    assert "vehicle_length_mm:up,marker_distance_mm:up (world): vehicle_length_mm, marker_distance_mm" in told.out
+    data = json.loads(call("margins", *words, *pair, "--json").out)
+    [front] = data["fronts"]
+    assert [204_700, 674_701] == front["points"][0][:2]
+    assert all(second == first + 470_001 for first, second, _ in front["points"])
+    drawn = tmp_path / "drawn" / "front-vehicle-length-mm-up-marker-distance-mm-up.svg"
+    assert drawn.read_text(encoding="utf-8").startswith("<svg")
+
+
+def test_what_pairs_refuse(call: Call) -> None:
+    """A machine without declared pairs, one figure, three figures, and single figures beside pairs."""
+    words = [f"{TWO_READERS}:machine", "--config", str(TWO_READERS.with_suffix(".toml"))]
+    assert "two_readers declares no pairs of figures; give two with --pair" in call("margins", *words, "--pairs").err
+    for text in ("rate_ppm:up", "rate_ppm:up,constant_mm:up,stretch_mm:up"):
+        told = call("margins", *words, "--pair", text)
+        assert told.code == 2
+        assert "--pair takes two figures joined by a comma" in told.err
+    both = call("margins", "stop_point", "--pairs", "--figure", "brake_mm_s2")
+    assert both.code == 2
+    assert "asks for the limits of single figures" in both.err
+
+
+def test_declared_pairs_name_figures_of_their_machine() -> None:
+    """Each once, and the two figures of a pair are not one."""
+    paired = [entry for entry in ENTRIES.values() if entry.pairs]
+    assert "stop_point" in [one.name for one in paired]
+    for entry in paired:
+        known = figures(load_target(entry.name))
+        assert len({one.name for one in entry.pairs}) == len(entry.pairs) <= 5
+        for one in entry.pairs:
+            (first, way), (second, other) = (text.split(":") for text in (one.first, one.second))
+            assert {first, second} <= set(known)
+            assert first != second
+            assert {way, other} <= {"up", "down"}
+
+
 def test_a_claim_that_fails_as_it_is_leaves_no_margin(call: Call, tmp_path: Path) -> None:
     """Nothing is searched around a design that does not hold."""
     short = EXAMPLE.with_suffix(".toml").read_text(encoding="utf-8").replace("300000", "500000")
     (tmp_path / "long.toml").write_text(short, encoding="utf-8")
     told = call("margins", f"{EXAMPLE}:machine", "--config", str(tmp_path / "long.toml"), "--cache", str(tmp_path))
     assert told.code == 2
-    assert "there is no margin to find: 'a position everywhere' is broken" in " ".join(told.err.split())
+    assert "there is no margin to find: 'a position everywhere' is violated" in " ".join(told.err.split())
 
 
 def test_data_of_a_limit_come_back() -> None:

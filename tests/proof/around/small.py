@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from safeloc.language.expr import TRUE, as_num, ite, maximum, minimum, number, optional
@@ -15,6 +16,7 @@ from safeloc.proof.around.claims import written_claim
 from safeloc.proof.around.deviations import deviations
 from safeloc.proof.around.proving import Around
 from safeloc.proof.around.tube import Given
+from safeloc.proof.around.windows import Observe
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 
@@ -70,9 +72,22 @@ def around(
     first: int = 1,
     last: int | None = None,
     system: TransitionSystem | None = None,
+    watched: Observe | None = None,
+    seconds_in_all: float = math.inf,
 ) -> list[Finding]:
     """What is found of claims around a stream of the integrator."""
     whole = lower(machine()) if system is None else system
     near = deviations(whole, within or {}, drop or {}, delay or {})
     asked = [written_claim(whole, claim, first, last) for claim in claims]
-    return Around(whole.name, whole, "steady", given(whole, stream), near, asked, Limits()).findings()
+    around_ = Around(
+        whole.name,
+        whole,
+        "steady",
+        given(whole, stream),
+        near,
+        asked,
+        Limits(),
+        watched=watched,
+        seconds_in_all=seconds_in_all,
+    )
+    return around_.findings()

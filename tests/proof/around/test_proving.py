@@ -9,6 +9,7 @@ from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
 from safeloc.proof.around import hand_over
+from safeloc.proof.around.course import Course
 from safeloc.proof.cores.clauses import ClauseId, without
 from safeloc.proof.results import Finding
 from tests.proof.around.small import around, machine, steady
@@ -146,3 +147,23 @@ def test_too_little_effort_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) 
     assert isinstance(found.result, Unknown)
     assert "undecided in cycle" in found.result.reason
     assert "narrower widths" in found.result.reason
+
+
+def test_what_is_left_when_the_whole_time_is_over_is_open() -> None:
+    """With next to no time the claim is undecided, for this reason; with enough it is proved; one broken at a corner is found first."""
+    ask = ("place_mm <= 650", "place_mm <= 649")
+    [open_, broken] = around(steady(50), *ask, within={"step_mm": 3}, seconds_in_all=1e-9)
+    assert isinstance(open_.result, Unknown)
+    assert "undecided in cycle 1: the time for the whole question is over; try narrower widths" in open_.result.reason
+    assert open_.result.reason.endswith("or a greater --timeout")
+    assert "broken at 1.000 of the widths (this run)" in reason(broken)
+    [proved, _] = around(steady(50), *ask, within={"step_mm": 3}, seconds_in_all=60)
+    assert isinstance(proved.result, Proved)
+
+
+def test_cycles_after_the_last_one_that_is_judged_are_not_run() -> None:
+    """A claim up to cycle 20 is proved within the time that the first windows take."""
+    courses: list[Course] = []
+    [found] = around(steady(50), "place_mm <= 260", within={"step_mm": 3}, last=20, watched=courses.append)
+    assert isinstance(found.result, Proved)
+    assert max(one.end for one in courses) == 20

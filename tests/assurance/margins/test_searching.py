@@ -1,0 +1,129 @@
+"""The search of a limit against scripted answers: proved on the one side, a run on the other, and few questions between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+
+from safeloc.assurance.kept_work import Keeping
+from safeloc.assurance.margins.asking import Answer
+from safeloc.assurance.margins.figures import Figure
+from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit
+from safeloc.proof.cache.store import Store
+
+FIGURE = Figure("f", 100, "mm", 0, 1_000_000)
+
+
+class Scripted:
+    """One who answers from functions of the value: its end, the runs that a way leads to, and what is refused."""
+
+    def __init__(
+        self,
+        end: Callable[[int], str],
+        reaches: Callable[[int, int], bool],
+        admits: Callable[[int], bool] = lambda _: True,
+    ) -> None:
+        self._end, self._reaches, self._admits = end, reaches, admits
+        self.asked: list[int] = []
+        self.broken: set[int] = set()
+
+    def refusal(self, values: Mapping[str, int]) -> str:
+        return "" if self._admits(values["f"]) else "too much"
+
+    def answer(self, values: Mapping[str, int]) -> Answer:
+        value = values["f"]
+        if value in self.broken:
+            return Answer("broken", "c")
+        if value not in self.asked:
+            self.asked.append(value)
+        end = self._end(value)
+        if end == "broken":
+            self.broken.add(value)
+        return Answer(end, "c" if end != "proved" else "")  # type: ignore[arg-type] # the script has the four words
+
+    def quickly(self, values: Mapping[str, int]) -> bool:
+        del values
+        return False
+
+    def along(self, values: Mapping[str, int], broken_at: Mapping[str, int]) -> bool:
+        value = values["f"]
+        assert broken_at["f"] in self.broken
+        if self._end(value) == "broken" and self._reaches(value, broken_at["f"]):
+            self.broken.add(value)
+        return value in self.broken
+
+
+def found(scripted: Scripted, way: Direction = "up", figure: Figure = FIGURE) -> Limit:
+    return limit(scripted, figure, way)  # type: ignore[arg-type] # it answers what the search asks
+
+
+def beyond(edge: int) -> Callable[[int], str]:
+    return lambda value: "broken" if value > edge else "proved"
+
+
+@pytest.mark.parametrize("edge", [100, 101, 4_711, 999_998])
+def test_along_one_run_two_values_are_asked_in_full(edge: int) -> None:
+    """The end of the range, and the value beside the nearest run."""
+    scripted = Scripted(beyond(edge), lambda value, at: True)
+    one = found(scripted)
+    assert (edge, edge + 1, "broken") == (one.holds_to, one.beyond, one.end.end)
+    assert len(scripted.asked) <= 2
+
+
+def test_down_it_goes_as_well() -> None:
+    scripted = Scripted(lambda value: "broken" if value < 37 else "proved", lambda value, at: True)
+    one = found(scripted, "down")
+    assert (37, 36) == (one.holds_to, one.beyond)
+
+
+def test_runs_that_lead_on_a_little_each_still_come_to_the_limit() -> None:
+    """A run of each value reaches a tenth farther only; the middle is asked in turn, so the questions stay few."""
+    scripted = Scripted(beyond(500), lambda value, at: value > at * 9 // 10)
+    one = found(scripted)
+    assert (500, 501, "broken") == (one.holds_to, one.beyond, one.end.end)
+    assert len(scripted.asked) < 60
+
+
+def test_runs_that_lead_nowhere_still_come_to_the_limit() -> None:
+    scripted = Scripted(beyond(500), lambda value, at: False)
+    assert found(scripted).holds_to == 500
+    assert len(scripted.asked) < 60
+
+
+def test_what_is_undecided_ends_the_search_soon() -> None:
+    """Proved to 120, undecided to 5000, broken beyond: the nearest run is told, and few undecided values are asked."""
+    scripted = Scripted(
+        lambda value: "proved" if value <= 120 else "undecided" if value <= 5_000 else "broken", lambda value, at: True
+    )
+    one = found(scripted)
+    assert (one.end.end, one.broken_at) == ("undecided", 5_001)
+    assert 100 <= one.holds_to <= 120 < (one.beyond or 0)
+    assert sum(120 < value <= 5_000 for value in scripted.asked) <= 4
+
+
+def test_undecided_up_to_the_end_has_no_run() -> None:
+    one = found(Scripted(lambda value: "proved" if value < 101 else "undecided", lambda value, at: True))
+    assert (100, 101, "undecided", None) == (one.holds_to, one.beyond, one.end.end, one.broken_at)
+
+
+def test_the_last_value_that_is_admitted_is_the_end() -> None:
+    one = found(Scripted(lambda _: "proved", lambda value, at: True, lambda value: value <= 640))
+    assert (640, 641, "refused", "too much") == (one.holds_to, one.beyond, one.end.end, one.end.why)
+
+
+def test_beside_another_figure_its_own_value_may_fail_already() -> None:
+    """Then there is nothing to search, and the run at the own value is told."""
+    one = limit(Scripted(lambda _: "broken", lambda value, at: True), FIGURE, "up", {"g": 3})  # type: ignore[arg-type] # as above
+    assert (100, 100, "broken") == (one.holds_to, one.beyond, one.end.end)
+
+
+def test_what_the_limits_left_open_is_not_kept(tmp_path: Path) -> None:
+    """A busy computer, or a longer limit, may decide it another time."""
+    store = Store(tmp_path)
+    keeping = Keeping("margins", "key", store, store, lambda one: one["end"] != "undecided")
+    for name, end in {"a": "broken", "b": "undecided"}.items():
+        keeping.keep(name, {"end": end})
+    assert keeping.kept("a") == {"end": "broken"}
+    assert keeping.kept("b") is None
