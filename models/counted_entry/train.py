@@ -9,7 +9,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
-from safeloc.language.expr import TRUE, BoolVar, Num, NumVar, as_num, between, boolean, floor_to, ite, maximum, minimum, number
+from safeloc.language.expr import (
+    TRUE,
+    BoolVar,
+    Num,
+    NumVar,
+    as_num,
+    between,
+    boolean,
+    floor_to,
+    ite,
+    maximum,
+    minimum,
+    number,
+)
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.units import COUNT, NM, NM_PER_MM, UM, UM_PER_MM, UM_S
 from safeloc.language.world import Law, World
