@@ -11,31 +11,28 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.catalogue import load_target
-from safeloc.codegen.smtlib import Query
 from safeloc.errors import InputError
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Var, floor_div, ite
 from safeloc.language.interpret import run
-from safeloc.language.system import environment, in_range
-from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.units import MM, NM_PER_MM
 from safeloc.models import guard, marker_device, supervised_odometry
 from safeloc.models.guard import box
 from safeloc.models.guard.variables import GuardConfig
-from safeloc.models.marker_device import MarkerDevice, compose_machines
+from safeloc.models.marker_device import compose_machines
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.marker_device.simulate import SCENES, SEED, Scene, first_state, simulate, write
 from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.odometry.world import SATELLITES
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.proof.provers.implication import Failure, Refuted, unproved
-from safeloc.proof.provers.inherited import contracts
+from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
+from tests.models.owed_contracts import contract
 from tests.proof.provers.small import told
 from tests.shipped_recordings import shipped
 
@@ -46,16 +43,6 @@ Wrong = Callable[[guard.Guard, SatelliteReader], Wires]
 
 
 # ------------------------------------------------------------------ contracts
-
-
-def contract(whole: MarkerDevice, without: str = "") -> Failure | None:
-    """Whether odometry's law on satellites follows in one step from the guard's lemmas, except one, and the laws of the world."""
-    system = whole.composition.system
-    after = Substitution(dict(system.next))
-    lemmas = [term for name, term in system.lemmas.items() if name.startswith("guard: ") and name != without]
-    given = [environment(system), in_range(system.state), *lemmas, *(after.bool(one) for one in lemmas)]
-    [owed] = [term for fact, term in contracts(system).items() if str(fact) == CONTRACT]
-    return unproved(Query("contract", given, {"owed": owed}), 120).get("owed")
 
 
 def test_only_the_laws_of_sensors_are_assumed() -> None:
@@ -70,8 +57,8 @@ def test_only_the_laws_of_sensors_are_assumed() -> None:
 
 def test_the_contract_follows_from_the_guard() -> None:
     """And from the place of the antenna; without the guard's containment it does not."""
-    assert None is contract(compose_machines())
-    assert isinstance(contract(compose_machines(), "guard: the truth is inside"), Refuted)
+    assert None is contract(compose_machines().composition, "odometry")
+    assert isinstance(contract(compose_machines().composition, "odometry", "guard: the truth is inside"), Refuted)
 
 
 def _no_antenna(receiver: guard.Guard, reader: SatelliteReader) -> Wires:
@@ -108,7 +95,7 @@ def test_a_wrong_wire_is_not_proved(wrong: Wrong, monkeypatch: pytest.MonkeyPatc
         return {**right(config, receiver, reader), **wrong(receiver, reader)}
 
     monkeypatch.setattr(marker_device, "_into_odometry", into_odometry)
-    assert isinstance(contract(compose_machines()), Refuted)
+    assert isinstance(contract(compose_machines().composition, "odometry"), Refuted)
 
 
 @pytest.mark.slow

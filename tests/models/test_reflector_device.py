@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -11,12 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.catalogue import load_target
-from safeloc.codegen.smtlib import Query
-from safeloc.language.composition import Composition, compose
 from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Var, ite
 from safeloc.language.machine import Machine
-from safeloc.language.system import environment, in_range
-from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.units import NM_PER_MM
 from safeloc.models import reflector_device
@@ -32,32 +27,19 @@ from safeloc.models.stop_point.world import REPORTED
 from safeloc.models.turn_off import TurnOffConfig
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.proof.provers.implication import Failure, Refuted, unproved
-from safeloc.proof.provers.inherited import contracts
+from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.properties.reflector_device import properties
 from safeloc.runtime.streams.steps import read_steps
 from tests.models.inductive import inductive_in
+from tests.models.owed_contracts import Wires, contract, rewired
 from tests.shipped_recordings import shipped
 
-ORDER = ("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point")
-Wires = Mapping[Var, Expr]
 Wrong = Callable[[ReflectorDevice, Wires], Wires]
 """The wires that are wrong, of the device and of its right wires."""
 
 
 # ------------------------------------------------------------------ contracts
-
-
-def contract(whole: ReflectorDevice, owner: str, *without: str) -> Failure | None:
-    """Whether what a machine assumes of earlier ones follows in one step from their lemmas, except some, and the laws of the world."""
-    system = whole.composition.system
-    after = Substitution(dict(system.next))
-    earlier = tuple(f"{name}: " for name in ORDER[: ORDER.index(owner)])
-    lemmas = [term for name, term in system.lemmas.items() if name.startswith(earlier) and name not in without]
-    given = [environment(system), in_range(system.state), *lemmas, *(after.bool(one) for one in lemmas)]
-    [owed] = [term for fact, term in contracts(system).items() if str(fact) == f"contract of {owner} holds"]
-    return unproved(Query("contract", given, {"owed": owed}), 120).get("owed")
 
 
 def test_only_the_laws_of_sensors_are_assumed() -> None:
@@ -95,8 +77,8 @@ _OF_THE_HOST = "delocalized: a passed position holds the truth"
 def test_each_contract_follows_from_the_machines_before(owner: str, lemmas: tuple[str, ...]) -> None:
     """And not without their containment."""
     whole = compose_machines()
-    assert None is contract(whole, owner)
-    assert isinstance(contract(whole, owner, *lemmas), Refuted)
+    assert None is contract(whole.composition, owner)
+    assert isinstance(contract(whole.composition, owner, *lemmas), Refuted)
 
 
 # ------------------------------------------------------------------ wires exchanged on purpose
@@ -241,7 +223,7 @@ def _input(machine: Machine, name: str) -> Var:
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the contract or the claim that is named, which the right wires keep."""
     wrong, claim = WRONG[name]
-    assert not holds(rewired(wrong, monkeypatch), claim)
+    assert not holds(rewired(reflector_device, compose_machines, wrong, monkeypatch), claim)
 
 
 @pytest.mark.thorough(ordinary=1)
@@ -254,25 +236,9 @@ def test_the_right_wires_keep_it(claim: str) -> None:
 def holds(whole: ReflectorDevice, claim: str) -> bool:
     """Whether a contract follows, or a claim of the whole is inductive with the lemmas."""
     if claim.startswith("contract of "):
-        return contract(whole, claim.removeprefix("contract of ")) is None
+        return contract(whole.composition, claim.removeprefix("contract of ")) is None
     [prop] = [one for one in properties(whole) if one.name == claim]
     return inductive_in(whole.composition.system, prop, claim)
-
-
-def rewired(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> ReflectorDevice:
-    """The device with some wires replaced."""
-    given: list[tuple[str, list[Machine], dict[Var, Expr]]] = []
-    more: dict[str, object] = {}
-
-    def noted(name: str, machines: list[Machine], wires: dict[Var, Expr], **others: object) -> Composition:
-        given.append((name, machines, wires))
-        more.update(others)
-        return compose(name, machines, wires, **others)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(reflector_device, "compose", noted)
-    whole = compose_machines()
-    [(name, machines, wires)] = given
-    return replace(whole, composition=compose(name, machines, {**wires, **wrong(whole, wires)}, **more))  # type: ignore[arg-type]
 
 
 # ------------------------------------------------------------------ recordings
