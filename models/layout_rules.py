@@ -47,6 +47,15 @@ class LayoutConfig(Config):
     stop_control_error_mm: int = quantity(150, "mm", 0, 10_000, "[M] what the brake control leaves")
     reflectors_per_balise: int = quantity(8, "count", 1, 1_000, "[M] source l. 111: 'after several reflectors'")
     route_faults_withstood: int = quantity(0, "count", 0, 100, "[D] 0: any two routes differ in what is seen on them")
+    code_window: int = quantity(
+        5, "sections", 2, 20, "[D] that of the fibre machine: sections whose symbols give the place"
+    )
+    code_reach: int = quantity(2, "sections", 1, 10, "[D] that of the fibre machine: so near, no two are alike")
+    short_section_mm: int = quantity(150_000, "mm", 1_000, 1_000_000, "[D] that of the fibre machine")
+    long_section_mm: int = quantity(400_000, "mm", 2_000, 10_000_000, "[D] that of the fibre machine")
+    cable_slack_ppm: int = quantity(
+        30_000, "ppm of track", 0, 1_000_000, "[M] a cable is 1 to 3 % longer than its track"
+    )
     prescribed_distance_mm: int | None = Field(
         default=None,
         gt=0,
@@ -243,3 +252,31 @@ def stop_window_fits(window_before_mm: Num, window_after_mm: Num, layout: Layout
     return all_of(
         [least <= window_before_mm, least <= window_after_mm, window_before_mm <= most, window_after_mm <= most]
     )
+
+
+# ------------------------------------------------------------------ position code of a fibre (FWG-10)
+
+
+def sections_give_the_place(least_window: Num, layout: LayoutConfig) -> Bool:
+    """Require any `code_window` sections in a row to occur once on the fibre, read either way.
+
+    least_window  the least number of sections of which this is true
+    """
+    return least_window <= layout.code_window
+
+
+def near_sections_differ(apart: Num, layout: LayoutConfig) -> Bool:
+    """Require the nearest section with the same symbol to be farther than the reach of the code; 1: the next one."""
+    return apart > layout.code_reach
+
+
+def section_is_short_or_long(cable_mm: Num, layout: LayoutConfig) -> Bool:
+    """Require a piece of cable that lies along a short section, or along at least a long one, with any slack."""
+    short, long = layout.short_section_mm, layout.long_section_mm
+    slack = PPM_PER_ONE + layout.cable_slack_ppm
+    return between(short, cable_mm, short * slack // PPM_PER_ONE) | (cable_mm >= -(-long * slack // PPM_PER_ONE))
+
+
+def code_withstands_an_error(misleading_readings: Num) -> Bool:
+    """Require that no reading with one section missed, misread or false within a word gives another place."""
+    return misleading_readings <= 0

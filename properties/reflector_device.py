@@ -39,7 +39,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _rejected, _anchored, _distances, _courses, _stops)
+    makers = (_host, _located_by_reflectors, _rejected, _anchored, _distances, _by_map, _courses, _stops, _stopped_by)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -72,6 +72,34 @@ def _containment(whole: ReflectorDevice) -> Property:
         statement="the position that the host gets contains the true position of the front end",
     )
     return replace(whole.composition.inherited(machine, own), name=own.name)
+
+
+def _located_by_reflectors(whole: ReflectorDevice) -> Iterator[Property]:
+    """The host's position is that of the reflector machine: another interval that holds the front end would keep containment too."""
+    passed, source = ~_restrictive(whole), whole.composition.of(whole.source.machine)
+    mine, theirs = _of_host(whole), [source.num(one) for one in _interval(whole.source.machine)]
+    yield for_all_inputs(
+        "the host gets the reflector machine's interval",
+        passed.implies(_of_source(whole, "valid") & all_of(a.eq(b) for a, b in zip(mine, theirs, strict=True))),
+        statement="the position that the host gets, and both margins, are those that the reflector machine reports in this cycle",
+        requirements=("RFL-1", "RFL-5"),
+    )
+    astray = whole.composition.of(whole.course.machine).bool(whole.course.machine.flag("contradicts"))
+    located = earlier_bool(passed) | _accepted(whole) | _of_source(whole, "precise") & _of_source(whole, "recognised")
+    yield for_all_inputs(
+        "the host gets every position that is reported",
+        all_of([_of_source(whole, "valid"), ~astray, located]).implies(passed),
+        statement="while the reflector machine reports a position and the course is the permitted one, the host that had a position keeps "
+        "one, by odometer as well as by reflector, and one that had none gets it with the first accepted group or recognised reflector",
+        requirements=("RFL-1", "RFL-5"),
+    )
+    contradicted = whole.composition.of(whole.line.machine).bool(whole.line.contradicted)
+    yield for_all_inputs(
+        "a contradicted route withdraws the position",
+        contradicted.implies(_restrictive(whole) & ~_of_source(whole, "valid")),
+        statement="in a cycle in which the route is contradicted, neither the host nor the reflector machine has a position",
+        requirements=("RFL-D3", "RFL-D6"),
+    )
 
 
 # ------------------------------------------------------------------ what the balise machine rejects
@@ -166,6 +194,29 @@ def _distances(whole: ReflectorDevice) -> Iterator[Property]:
             requirements=("RFL-9",),
         )
     yield from _reflector_from_truth(whole, given, _in_source_num(whole, ahead.position.value))
+
+
+def _by_map(whole: ReflectorDevice) -> Iterator[Property]:
+    given, ahead, told = whole.source.own.balise, whole.source.own.ahead, whole.composition.of(whole.line.machine)
+    entry, reference = whole.line.position, whole.line.reference
+    yield for_all_inputs(
+        "the map's next reflector is searched",
+        _in_source(whole, ahead.position.present).iff(told.bool(entry.present))
+        & told.bool(entry.present).implies(_in_source_num(whole, ahead.position.value).eq(told.num(entry.value))),
+        statement="the reflector machine gets the map's next reflector in every cycle in which the map has one, at its place",
+        requirements=("RFL-3", "RFL-9"),
+    )
+    group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.place)
+    left = group + told.num(reference.value) - _in_source_num(whole, given.position.value)
+    fits = _accepted(whole) & told.bool(reference.present) & between(0, left, whole.config.reflector.range_limit_mm)
+    yield for_all_inputs(
+        "the map's distance is used",
+        _in_source(whole, ahead.reference.present).iff(fits)
+        & fits.implies(_in_source_num(whole, ahead.reference.value).eq(left)),
+        statement="the distance that the map has from an accepted group to its reflector is handed over as what of it lies ahead of the "
+        "position, wherever that is within the radar's range; no other distance is",
+        requirements=("RFL-6", "RFL-9"),
+    )
 
 
 def _reflector_from_truth(whole: ReflectorDevice, given: BaliseReading, mapped: Num) -> Iterator[Property]:
@@ -284,7 +335,34 @@ def _stops(whole: ReflectorDevice) -> Iterator[Property]:
     )
 
 
+def _stopped_by(whole: ReflectorDevice) -> Iterator[Property]:
+    """The stop is made by the host's interval: another one that holds the front end would keep every claim about the brake order."""
+    own, into, passed = whole.stop.own, whole.composition.of(whole.stop.machine), ~_restrictive(whole)
+    heard = [into.num(one) for one in (own.position, own.below, own.above)]
+    same = all_of(a.eq(b) for a, b in zip(heard, _of_host(whole), strict=True))
+    yield for_all_inputs(
+        "the stop is made by the interval that the host gets",
+        into.bool(own.valid).iff(passed) & passed.implies(same),
+        statement="the stop-point machine reads the position and both margins that the host gets in this cycle, and has no position "
+        "while the host has none",
+        requirements=("RFL-D7",),
+    )
+    yield for_all_inputs(
+        "a stop is measured only while a reflector is",
+        into.bool(own.precise).iff(passed & _of_source(whole, "precise")),
+        statement="the stop-point machine takes the position for measured in the cycles in which the host has one and the reflector "
+        "machine measures a reflector, and in no others",
+        requirements=("RFL-D7",),
+    )
+
+
 # ------------------------------------------------------------------ words
+
+
+def _of_host(whole: ReflectorDevice) -> list[Num]:
+    """Position, margin below and margin above that the host gets."""
+    into = whole.composition.of(whole.restrictive)
+    return [into.num(one) for one in _interval(whole.restrictive)]
 
 
 def _restrictive(whole: ReflectorDevice) -> Bool:

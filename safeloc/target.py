@@ -154,6 +154,11 @@ class Entry(Generic[AnyConfig]):
             raise InputError(f"{self.name} takes a {self.config.__name__}, got {type(config).__name__}.")
         return self.for_hosts(self.maker(config))
 
+    @property
+    def of_other_kinds(self) -> dict[str, BaseModel]:
+        """The named configurations of a class of their own: their figures have defaults and sources of their own."""
+        return {name: config for name, config in self.configurations.named.items() if type(config) is not self.config}
+
     def for_hosts(self, target: Target) -> Target:
         """Return the target with the data that a host needs, limited to the machines and inputs of its configuration."""
         names = {machine.name for machine in target.machines}

@@ -7,6 +7,7 @@ from functools import partial
 from safeloc.models import counted_entry
 from safeloc.models.counted_entry import NAME, CountedEntryConfig
 from safeloc.models.counted_entry.simulate import simulate
+from safeloc.proof.runs.worked import Steps
 from safeloc.properties import axle_counter as counter_claims
 from safeloc.properties import counted_entry as claims
 from safeloc.properties import verification as verification_claims
@@ -31,7 +32,7 @@ def target(config: CountedEntryConfig) -> Target:
     )  # fmt: skip
 
 
-def _simulated(config: CountedEntryConfig, seed: int) -> list[dict[str, object]]:
+def _simulated(config: CountedEntryConfig, seed: int) -> Steps:
     return simulate(config, seed=seed)
 
 

@@ -111,6 +111,16 @@ def make_code(sections: int, window: int = 6, reach: int = 2, *, strict: bool = 
     return PositionCode(tuple(search.row), window, reach)
 
 
+def least_window(symbols: Word) -> int | None:
+    """Return the least number of sections in a row, 2 or more, that occur once on the line, read either way; None if there is none."""
+    return next((window for window in range(2, len(symbols) + 1) if not _ambiguous(symbols, window)), None)
+
+
+def nearest_alike(symbols: Word, number: int) -> int | None:
+    """Return how many sections farther on the next one like section `number` (from 0) is; None if there is none."""
+    return next((apart for apart, symbol in enumerate(symbols[number + 1 :], 1) if symbol == symbols[number]), None)
+
+
 class _Search:
     """A row of symbols that obeys its laws, with its last windows and the readings that they must not be confused with."""
 

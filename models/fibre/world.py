@@ -345,7 +345,7 @@ def _code_law(own: Parts, now: Passing) -> Law:
         ("reach",),
         "[D] the code's law, kept by `make_code` and checked by `PositionCode`",
         "infrastructure",
-        "audit of the line's sections",
+        "audit of the line: the rule `near sections differ`, for the configured reach",
     )
 
 
@@ -387,5 +387,5 @@ def _word_law(own: Parts) -> Law:
         ("window", "reach"),
         "[D] a code in which no window with one error among its symbols is another one (fibre.code, strict)",
         "infrastructure",
-        "audit of the line's sections",
+        "audit of the line: the rules `position code` and `code withstands an error`, for the configured window",
     )

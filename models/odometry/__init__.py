@@ -136,7 +136,7 @@ def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Tr
         yield Transition("position of satellites", located, located[0], when, keep, ("MRK-D6",), 4)
     for device, other in ((0, 1), (1, 0))[: 2 * (len(own.devices) - 1)]:
         name = f"hand over to {ENDS[device]} device"
-        yield Transition(name, located[other], located[device], _leads(own, cycle, device), keep, ("MRK-D3",), 5)
+        yield Transition(name, located[other], located[device], _takes_over(own, cycle, device), keep, ("MRK-D3",), 5)
     for device, target in enumerate(located):
         yield Transition(f"run on {ENDS[device]} device", target, target, TRUE, keep, ("MRK-4", "MRK-D4"), 6)
 
@@ -274,7 +274,8 @@ def _index(own: Parts, device: Device) -> int:
 def _leads(own: Parts, cycle: Judgement, index: int) -> Bool:
     """Return whether the device at that index leads after the cycle.
 
-    The smaller margin leads; of two equal ones the front device, unless a reading set the rear device alone in this cycle.
+    The smaller margin leads; of two equal ones the front device, unless a reading set the rear device alone in this cycle. Asked where a
+    reading set a device; without one see `_takes_over`.
     """
     if len(own.devices) == 1:
         return cycle.any_alive
@@ -283,6 +284,11 @@ def _leads(own: Parts, cycle: Judgement, index: int) -> Bool:
     fresh_rear = cycle.was_set(own.devices[1]) & ~cycle.was_set(own.devices[0])
     rear_leads = rear.better_than(front) | (equal & fresh_rear)
     return rear_leads if index else front.alive & ~rear_leads
+
+
+def _takes_over(own: Parts, cycle: Judgement, index: int) -> Bool:
+    """Return whether the device at that index takes over from the other one: only with a smaller margin; of equal ones that in use stays."""
+    return cycle.says(own.devices[index]).better_than(cycle.says(own.devices[1 - index]))
 
 
 def _definitions(own: Parts, cycle: Judgement) -> dict[str, Expr]:

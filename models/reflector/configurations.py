@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from safeloc.config import Configurations
+from safeloc.models.reflector.range_sensors import LaserConfig, LightConfig, UltrasoundConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 
@@ -25,6 +26,9 @@ CONFIGURATIONS = Configurations(
         "a second unit has checked the distance": ReflectorConfig(
             odometer=ERRING, checked_distance=True, radar_offset_mm=2_500
         ),
+        "ultrasound in place of the radar": UltrasoundConfig(echo_slots=1),
+        "light in place of the radar": LightConfig(echo_slots=1),
+        "laser in place of the radar": LaserConfig(echo_slots=1),
     },
     NEVER,
 )

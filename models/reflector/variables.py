@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
@@ -13,6 +15,7 @@ from safeloc.models.reflector.echo import RadarLaw, slot
 from safeloc.models.reflector.ghosts import Moving, ghosts
 from safeloc.models.reflector.map_data import next_reflector, target
 from safeloc.models.reflector.odometer import ReflectorOdometer
+from safeloc.models.reflector.ranging import RADAR, Ranging
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.odometer import most_further_error_nm
@@ -51,8 +54,12 @@ ERROR = members(
 
 
 class ReflectorConfig(Config):
-    """Everything about vehicle, radar and line that the reflector machine depends on."""
+    """Everything about vehicle, radar and line that the reflector machine depends on.
 
+    ranging  sources of the laws on ranges; a sensor in place of the radar has its own (`range_sensors`)
+    """
+
+    ranging: ClassVar[Ranging] = RADAR
     odometer: ErrorLaw = WHEEL
     echo_slots: int = quantity(2, "count", 1, 8, "[D] the target and one reflector in an overlapping view zone")
     period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")

@@ -243,7 +243,7 @@ def _range_law(own: Parts) -> Law:
         "error, within the echo's error bound. The frame is no older than its latency, and since then the vehicle ran no more "
         "than that share of the measured distance.",
         ("radar_offset_mm", "frame_latency_ms"),
-        "[M] noise of an FMCW radar, interpolated to centimetres; steady speed in a cycle [D]",
+        own.config.ranging.noise,
         "supplier",
         "type test of the noise; constant error along a view zone",
     )
@@ -262,7 +262,7 @@ def _drift_law(own: Parts) -> Law:
         "The systematic error of the radar has any size at first; from one cycle to the next it changes by no more than the "
         "drift allows.",
         ("radar_drift_mm_s",),
-        "[M] delays of filters and cables: 2 mm/K, at most 30 K a minute",
+        config.ranging.drift,
         "supplier",
         "type test in the climatic chamber; self-test at every balise",
     )
@@ -279,7 +279,7 @@ def _scale_law(own: Parts) -> Law:
         ),
         "The error in proportion to a range is at most what the radar's scale allows.",
         ("radar_scale_ppm",),
-        "[M] clock of the chirp: 20 to 50 ppm, and ageing",
+        own.config.ranging.scale,
         "supplier",
         "type test of the clock; a monitor of the chirp's frequency",
     )
@@ -298,7 +298,7 @@ def _reach_law(own: Parts) -> Law:
         "The radar looks ahead: when the frame was taken, a reflector whose echo has the minimum intensity stood ahead of the "
         "radar, and no farther away than the strong range.",
         ("strong_range_mm", "minimum_intensity_cdb"),
-        "[M] fourth power of the range; the antenna's pattern",
+        own.config.ranging.reach,
         "supplier",
         "type test with the largest reflector",
     )

@@ -245,6 +245,16 @@ def _reflector_ahead(model: Balise) -> Iterator[Property]:
     )
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
         yield _distance_of(model, name, distance)
+    memory = own.memory
+    read = memory.group.eq(own.read.group.value) & memory.place.eq(step.place_as_announced)
+    before_it = memory.group.eq(earlier_num(memory.group)) & memory.place.eq(earlier_num(memory.place))
+    yield for_all_inputs(
+        "a group is kept where linking or its telegram has it",
+        memory.group.ne(0).implies(ite(step.counts, read, before_it)),
+        statement="the group that the position refers to is the last one that was accepted, or the candidate, and its place is that of "
+        "linking, else that of its telegram",
+        requirements=("RFL-9", "RFL-D4"),
+    )
 
 
 def _distance_of(model: Balise, name: str, distance: Optional) -> Property:

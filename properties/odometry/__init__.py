@@ -277,9 +277,9 @@ def _takes_over(model: Odometry) -> Iterator[Property]:
             requirements=("MRK-1", "MRK-D3"),
         )
         yield for_all_inputs(
-            "the front device takes over with no greater margin",
-            to_front.implies(all_of(one.alive.implies(~_narrower(one, front)) for one in rear.units)),
-            statement="without a reading the front device takes over only if its margin is not greater than the rear device's, or if "
+            "the front device takes over only with a smaller margin",
+            to_front.implies(any_of(_narrower(one, rear) for one in front.units)),
+            statement="without a reading the front device takes over only if its margin is smaller than the rear device's, or if "
             "the rear device has no position",
             requirements=("MRK-1", "MRK-D3"),
         )

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from pydantic import BaseModel
+
 from safeloc.assurance.law_figures import Figure, ToConfirm, configured_figures, figures_of, to_confirm
 from safeloc.assurance.law_ids import ids_of
 from safeloc.language.machine import Machine
@@ -116,15 +118,18 @@ class Register:
         return sum(row.is_left_to_others for row in self.rows)
 
 
-def register_of(targets: Sequence[Target]) -> Register:
-    """Return the register of these targets, with the assumption of every target that runs on records at its end."""
+def register_of(targets: Sequence[Target], other_kinds: Mapping[str, BaseModel] | None = None) -> Register:
+    """Return the register of these targets, with the assumption of every target that runs on records at its end.
+
+    other_kinds  configurations with sources of their own, by machine and name: their figures have to be confirmed as well
+    """
     found: dict[str, list[tuple[str, Assumption]]] = {}
     for target in targets:
         for one in register(target):
             found.setdefault(one.id, []).append((target.name, one))
     border = of_border()
     found[border.id] = [("every target on records", border)]
-    return Register([_listed(every) for every in found.values()], figures_to_confirm(targets))
+    return Register([_listed(every) for every in found.values()], figures_to_confirm(targets, other_kinds))
 
 
 def _listed(every: Sequence[tuple[str, Assumption]]) -> Listed:
@@ -156,9 +161,12 @@ def _observed(target: Target) -> dict[tuple[Machine, str], dict[str, Any]]:
     return observed
 
 
-def figures_to_confirm(targets: Iterable[Target]) -> list[ToConfirm]:
-    """Return every configured figure of the targets that is from memory, once."""
-    return to_confirm((target.name, one) for target in targets for one in configured_figures(target.config))
+def figures_to_confirm(
+    targets: Iterable[Target], other_kinds: Mapping[str, BaseModel] | None = None
+) -> list[ToConfirm]:
+    """Return every configured figure of the targets, and of configurations of other kinds, that is from memory, once."""
+    configured = [*((target.name, target.config) for target in targets), *(other_kinds or {}).items()]
+    return to_confirm((name, one) for name, config in configured for one in configured_figures(config))
 
 
 def _of_machine(

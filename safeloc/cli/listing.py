@@ -8,6 +8,7 @@ from textwrap import shorten
 from typing import Annotated, Any
 
 import typer
+from pydantic import BaseModel
 
 from safeloc.assurance.independence import Shared, by_term, follows_machine, shared_terms
 from safeloc.assurance.mutation.strength import Strength, as_data, as_text, strengths_of
@@ -112,15 +113,22 @@ def _targets(machines: Sequence[str]) -> list[Target]:
 
 
 def _config(machines: Sequence[str]) -> _Listed:
-    """Return the figures of each machine's configuration at their defaults, as a configuration file names them."""
+    """Return the figures of each machine's configuration at their defaults, as a configuration file names them, and those of other kinds."""
+    configured = [(target.name, target.config) for target in _targets(machines)]
     rows = [
-        {"machine": target.name, **figure}
-        for target in _targets(machines)
-        if target.config is not None
-        for figure in figures(target.config)
+        {"machine": name, **figure}
+        for name, config in [*configured, *_of_other_kinds(machines).items()]
+        if config is not None
+        for figure in figures(config)
     ]
     lines = [f"{row['machine']}  {row['name']} = {row['value']} {row['unit']}  {row['source']}" for row in rows]
     return rows, lines or ["no figures are declared."]
+
+
+def _of_other_kinds(machines: Sequence[str]) -> dict[str, BaseModel]:
+    """Return the configurations that have sources of their own, by machine and name."""
+    entries = [ENTRIES[name] for name in dict.fromkeys(machines or ENTRIES) if name in ENTRIES]
+    return {f"{entry.name}, {kind}": config for entry in entries for kind, config in entry.of_other_kinds.items()}
 
 
 def _recordings(machines: Sequence[str]) -> _Listed:
@@ -135,7 +143,7 @@ def _recordings(machines: Sequence[str]) -> _Listed:
 
 def _assumptions(machines: Sequence[str]) -> _Listed:
     """Return the register: every law once, with the machines that rest on it, its figures, owner and missing fields."""
-    found = register_of(_targets(machines))
+    found = register_of(_targets(machines), _of_other_kinds(machines))
     lines = [line for row in found.rows for line in _assumption_lines(row)]
     number, left = len(found.rows), found.left_to_others
     guaranteed = f"; {number - left} more are guaranteed by other machines" if number != left else ""

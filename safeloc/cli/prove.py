@@ -26,6 +26,7 @@ from safeloc.cli.options import (
 )
 from safeloc.cli.show import Progressing, code, print_summary, result, summed_up
 from safeloc.cli.watching import WatchOption, beside, watch
+from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
@@ -175,7 +176,7 @@ class _Proving:
 
     def _print_head(self, name: str, loaded: Target) -> None:
         if not self.quiet:
-            out.print(f"\n{loaded.name}, {name}: {_changed_figures(loaded.config)}", markup=False)
+            out.print(f"\n{loaded.name}, {name}: {changed_figures(loaded.config)}", markup=False)
 
     def _print_table(self, every: Mapping[str, Sequence[Finding]]) -> None:
         out.print("")
@@ -183,10 +184,19 @@ class _Proving:
             out.print(f"{name:30}  {summed_up(findings)}", markup=False)
 
 
-def _changed_figures(config: BaseModel | None) -> str:
-    """Return the figures of a configuration that differ from the defaults, in words."""
-    changed = {} if config is None else config.model_dump(mode="json", exclude_defaults=True)
+def changed_figures(config: BaseModel | None) -> str:
+    """Return the figures of a configuration that differ from the machine's defaults, in words."""
+    changed = {} if config is None else _unlike_the_defaults(config)
     return ", ".join(f"{name} = {value}" for name, value in changed.items()) or "all figures are defaults"
+
+
+def _unlike_the_defaults(config: BaseModel) -> dict[str, Any]:
+    """Return the figures that differ from the defaults; those of a class derived from a machine's configuration count as changed."""
+    plain = type(config).__bases__[0]
+    if plain is Config or not issubclass(plain, Config):
+        return config.model_dump(mode="json", exclude_defaults=True)
+    defaults = plain().model_dump(mode="json")
+    return {name: value for name, value in config.model_dump(mode="json").items() if defaults.get(name) != value}
 
 
 def _require_known(target: Target, names: Sequence[str] | None) -> None:

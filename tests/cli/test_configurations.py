@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.catalogue import DEFAULTS, configured, load_target
+from safeloc.cli.prove import changed_figures
 from safeloc.errors import StreamError
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.verification.one import Plan, Work
@@ -28,6 +29,19 @@ def test_each_configuration_is_proved_and_told(call: Call, tmp_path: Path) -> No
     assert second.startswith("one pattern is enough ")
     assert first.endswith(" all holds: 3 proved")
     assert second.endswith(" all holds: 3 proved")
+
+
+def test_a_configuration_of_another_kind_tells_its_figures() -> None:
+    """What differs from the machine's defaults, although all are defaults of its own class: a laser is no radar."""
+    named = dict(configured("reflector", ["laser in place of the radar", "radar behind the front end"]))
+    laser, radar = (
+        changed_figures(named[name].config) for name in ("laser in place of the radar", "radar behind the front end")
+    )
+    assert laser.startswith(
+        "echo_slots = 1, range_limit_mm = 250000, near_range_mm = 2000, minimum_intensity_cdb = -6500, frame_latency_ms = 40"
+    )
+    assert "tolerance_mm" not in laser
+    assert "radar_offset_mm = 2500" == radar
 
 
 def test_one_configuration_by_name(call: Call, tmp_path: Path) -> None:

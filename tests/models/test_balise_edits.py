@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.language.expr import FALSE, Num, as_num, exact_to
+from safeloc.language.expr import FALSE, Num, as_num, exact_to, ite, maximum
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM, NM_PER_MM
@@ -20,6 +20,7 @@ from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.odometer import Odometer
 from safeloc.properties.balise import properties
 from tests.models.edited_terms import edited, keeps
+from tests.models.spoilt import rebuilt
 
 CONFIG = BaliseConfig()
 
@@ -99,6 +100,26 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(made(), claim)
+
+
+KEPT = "a group is kept where linking or its telegram has it"
+
+
+def test_a_group_kept_elsewhere_is_noticed() -> None:
+    """Where the telegram gives no reflector, nothing but this claim speaks of the place at which the group is kept."""
+    own = parts(CONFIG)
+    model = build(own)
+    place, least = own.memory.place, own.memory.place.low
+
+    def elsewhere(right: Num) -> Num:
+        return ite(own.read.reflector.present, right, maximum(right - 10_000, least))
+
+    rows = [
+        replace(row, set={**row.set, place: elsewhere(as_num(row.set[place], MM))}) if place in row.set else row
+        for row in model.machine.transitions
+    ]
+    assert keeps((model.machine, properties(model)), KEPT)
+    assert not keeps((rebuilt(model.machine, rows), properties(model)), KEPT)
 
 
 ON_THE_LINE = "the vehicle stays on the line"

@@ -17,7 +17,11 @@ from safeloc.models.layout_rules import LayoutConfig
 
 LAYOUT = LayoutConfig()
 OFFSET = LayoutConfig(sensor_offset_mm=2_000, antenna_offset_mm=5_000)
-UNIT = {rules.reflector_follows_balise: COUNT, rules.routes_distinguishable: COUNT}
+_OF_COUNTS = (
+    rules.reflector_follows_balise, rules.routes_distinguishable, rules.sections_give_the_place, rules.near_sections_differ,
+    rules.code_withstands_an_error,
+)  # fmt: skip
+UNIT = dict.fromkeys(_OF_COUNTS, COUNT)
 Rule = Callable[..., Bool]
 
 
@@ -34,6 +38,12 @@ def _term(rule: Rule, figure: int | bool) -> Num | Bool:
 
 BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], LayoutConfig]] = {
     "stretch": (rules.stretch_is_tolerable, (470_000, 0), (470_001, 0), LAYOUT),
+    "sections of a word": (rules.sections_give_the_place, (5,), (6,), LAYOUT),
+    "alike sections": (rules.near_sections_differ, (3,), (2,), LAYOUT),
+    "no reading misleads": (rules.code_withstands_an_error, (0,), (1,), LAYOUT),
+    "a short section, too short": (rules.section_is_short_or_long, (150_000,), (149_999,), LAYOUT),
+    "a short section, too long": (rules.section_is_short_or_long, (154_500,), (154_501,), LAYOUT),
+    "a long section": (rules.section_is_short_or_long, (412_000,), (411_999,), LAYOUT),
     "stretch after a coarse fix": (rules.stretch_is_tolerable, (223_000, 13_000), (223_001, 13_000), LAYOUT),
     "reflectors since balise": (rules.reflector_follows_balise, (8,), (9,), LAYOUT),
     "reference distance, longer": (rules.reference_distance_agrees, (80_050, 80_000), (80_051, 80_000), LAYOUT),
@@ -100,7 +110,7 @@ BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], La
     "stop window, wide before": (rules.stop_window_fits, (500, 500), (501, 500), LAYOUT),
     "stop window, wide after": (rules.stop_window_fits, (500, 500), (500, 501), LAYOUT),
 }
-PLAIN = (rules.branch_models_differ, rules.direction_shows)
+PLAIN = (rules.code_withstands_an_error, rules.branch_models_differ, rules.direction_shows)
 
 
 @pytest.mark.parametrize("bound", BOUNDS)

@@ -118,16 +118,18 @@ def readers_swapped(patch: Patch) -> None:
     patch.setattr(Parts, "leads", lambda own, end: own.backwards if end == 0 else ~own.backwards)
 
 
-def rear_leads_where_equal(patch: Patch) -> None:
-    """Of two equal margins the rear device leads, unless a reading set the front device in this cycle."""
+def takes_over_where_equal(taker: int) -> Callable[[Patch], None]:
+    """Of two equal margins that device takes over, although the other one is in use."""
 
-    def leads(own: Parts, judged: Judgement, index: int) -> Bool:
-        front, rear = (judged.says(device) for device in own.devices)
-        equal = rear.alive & front.alive & rear.margin.eq(front.margin) & ~judged.was_set(own.devices[0])
-        by_rear = rear.better_than(front) | equal
-        return by_rear if index else front.alive & ~by_rear
+    def edit(patch: Patch) -> None:
+        def takes_over(own: Parts, judged: Judgement, index: int) -> Bool:
+            mine, theirs = (judged.says(own.devices[number]) for number in (index, 1 - index))
+            equal = mine.alive & theirs.alive & mine.margin.eq(theirs.margin)
+            return mine.better_than(theirs) | equal if index == taker else mine.better_than(theirs)
 
-    patch.setattr(odometry, "_leads", leads)
+        patch.setattr(odometry, "_takes_over", takes_over)
+
+    return edit
 
 
 def front_leads_while_alive(patch: Patch) -> None:
@@ -138,6 +140,7 @@ def front_leads_while_alive(patch: Patch) -> None:
         return rear.alive & ~front.alive if index else front.alive
 
     patch.setattr(odometry, "_leads", leads)
+    patch.setattr(odometry, "_takes_over", leads)
 
 
 def identities_kept(patch: Patch) -> None:
@@ -207,13 +210,17 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
         not_remembered("last_place"),
         "the marker that the leading reader read last is stored",
     ),
-    "the rear device leads where margins are equal": (
-        rear_leads_where_equal,
+    "the rear device takes over where margins are equal": (
+        takes_over_where_equal(1),
         "the rear device takes over only with a smaller margin",
+    ),
+    "the front device takes over where margins are equal": (
+        takes_over_where_equal(0),
+        "the front device takes over only with a smaller margin",
     ),
     "the front device leads while it has a position": (
         front_leads_while_alive,
-        "the front device takes over with no greater margin",
+        "the front device takes over only with a smaller margin",
     ),
 }
 

@@ -10,10 +10,10 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Var, ite
+from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Var, as_num, ite
 from safeloc.language.machine import Machine
 from safeloc.language.trace import Trace
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import MM, NM_PER_MM
 from safeloc.models import reflector_device
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.delocalized import DelocalizedConfig
@@ -27,6 +27,7 @@ from safeloc.models.stop_point.world import REPORTED
 from safeloc.models.turn_off import TurnOffConfig
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
+from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.properties.reflector_device import properties
@@ -180,6 +181,61 @@ def _astray_is_passed_on(whole: ReflectorDevice, _: Wires) -> Wires:
     return {_input(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
 
 
+def _stop_by_the_balise(whole: ReflectorDevice, right: Wires) -> Wires:
+    """The stop is made by the balise machine's interval, which holds the front end as well, and measures nothing."""
+    own, groups = whole.stop.own, whole.groups.machine
+    position, below, above = wired_interval(groups)
+    valid = _flag(right[own.valid]) & groups.flag("valid")
+    return {own.valid: valid, own.position: position, own.below: below, own.above: above}
+
+
+def _always_measured(whole: ReflectorDevice, right: Wires) -> Wires:
+    """Whatever the host gets is taken for measured."""
+    return {whole.stop.own.precise: right[whole.stop.own.valid]}
+
+
+def _balise_for_the_host(whole: ReflectorDevice, right: Wires) -> Wires:
+    """The host gets the balise machine's whole interval: no reflector ever counts."""
+    machine, (position, below, above) = whole.restrictive, wired_interval(whole.groups.machine)
+    valid, cause = _input(machine, "source_valid"), whole.groups.machine.output("reason")
+    sides = {_input(machine, "source_margin_below_mm"): below, _input(machine, "source_margin_above_mm"): above}
+    stated = _flag(right[valid]) & whole.groups.machine.flag("valid")
+    return {
+        valid: stated,
+        _input(machine, "source_position_mm"): position,
+        **sides,
+        _input(machine, "source_reason"): cause,
+    }
+
+
+def _measured_only(whole: ReflectorDevice, right: Wires) -> Wires:
+    """The host gets a position only while a reflector is measured, and none in the odometry zone."""
+    valid = _input(whole.restrictive, "source_valid")
+    return {valid: _flag(right[valid]) & whole.source.machine.flag("precise")}
+
+
+def _telegram_unused(whole: ReflectorDevice, _: Wires) -> Wires:
+    """No telegram's distance reaches the reflector machine."""
+    given = whole.source.own.balise.reference
+    return {given.present: FALSE, given.value: as_num(0, MM)}
+
+
+def _map_unused(whole: ReflectorDevice, _: Wires) -> Wires:
+    """The map's distance never reaches the reflector machine."""
+    given = whole.source.own.ahead.reference
+    return {given.present: FALSE, given.value: as_num(0, MM)}
+
+
+def _nothing_sought(whole: ReflectorDevice, _: Wires) -> Wires:
+    """The map's next reflector never reaches the reflector machine."""
+    given = whole.source.own.ahead.position
+    return {given.present: FALSE, given.value: as_num(0, MM)}
+
+
+def _route_unheard(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.source.own.contradicted: whole.groups.machine.output("reason").eq(CONTRADICTION)}
+
+
 WRONG: Mapping[str, tuple[Wrong, str]] = {
     "a raw telegram anchors": (_raw_telegram, "a rejected telegram is no reading"),
     "the telegram's place": (_raw_place, "contract of reflector"),
@@ -200,6 +256,14 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the balise's position for the host": (_balise_position_for_the_host, "contract of delocalized"),
     "the stop's margins exchanged": (_stop_margins_exchanged, "contract of stop_point"),
     "a stop without a position": (_stop_without_a_position, "without a position nothing moves"),
+    "a stop by the balise's interval": (_stop_by_the_balise, "the stop is made by the interval that the host gets"),
+    "every position measured": (_always_measured, "a stop is measured only while a reflector is"),
+    "the balise's interval for the host": (_balise_for_the_host, "the host gets the reflector machine's interval"),
+    "no position by odometer for the host": (_measured_only, "the host gets every position that is reported"),
+    "the telegram's distance unused": (_telegram_unused, "the telegram's reflector distance is used"),
+    "the map's distance unused": (_map_unused, "the map's distance is used"),
+    "no reflector sought": (_nothing_sought, "the map's next reflector is searched"),
+    "a contradicted route unheard": (_route_unheard, "a contradicted route withdraws the position"),
 }
 """Wires exchanged on purpose, and what is no longer proved: a contract, or a claim of the whole."""
 

@@ -195,6 +195,30 @@ class Rules:
         term = terms.stop_window_fits(_mm("window_before_mm"), _mm("window_after_mm"), self.layout)
         return Rule("stop window", ("RFL-D7",), term)
 
+    @cached_property
+    def code_window(self) -> Rule:
+        """As many sections as the fibre machine reads give the place."""
+        least = number("sections_that_give_a_place", COUNT, 0, _REACH_MM)
+        return Rule("position code", ("FWG-10", "FWG-15"), terms.sections_give_the_place(least, self.layout))
+
+    @cached_property
+    def code_reach(self) -> Rule:
+        """Sections near each other differ."""
+        apart = number("sections_apart", COUNT, 0, _REACH_MM)
+        return Rule("near sections differ", ("FWG-9", "FWG-10"), terms.near_sections_differ(apart, self.layout))
+
+    @cached_property
+    def section_length(self) -> Rule:
+        """The length of a section is one of two."""
+        term = terms.section_is_short_or_long(_mm("length_of_cable_mm"), self.layout)
+        return Rule("section short or long", ("FWG-10",), term)
+
+    @cached_property
+    def code_error(self) -> Rule:
+        """One error within a word does not mislead."""
+        readings = number("misleading_readings", COUNT, 0, _REACH_MM)
+        return Rule("code withstands an error", ("FWG-10",), terms.code_withstands_an_error(readings))
+
 
 def _mm(name: str) -> NumVar:
     return number(name, MM, -_REACH_MM, _REACH_MM)

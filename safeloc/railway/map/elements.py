@@ -235,6 +235,7 @@ class Fibre(Element):
     path                  the edges along which it runs, in order; from_mm > to_mm if it runs against the edge
     map_points            surveyed points in order of the cable; between them the slack is spread evenly
     refractive_index_ppm  index of refraction in millionths
+    position_code         its localization sections are a code that gives the place without counting (FWG-10)
     """
 
     id: Identity
@@ -243,6 +244,7 @@ class Fibre(Element):
     map_points: tuple[FibrePoint, ...] = Field(min_length=2)
     reflecting_points: tuple[ReflectingPoint, ...] = ()
     absorber_at_end: bool = True
+    position_code: bool = False
     refractive_index_ppm: int = Field(default=1_468_000, gt=1_000_000, lt=3_000_000, json_schema_extra={"unit": "ppm"})
 
 

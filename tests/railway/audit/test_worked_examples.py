@@ -45,7 +45,7 @@ def test_worked_examples_keep_every_rule(name: str, vehicle: str | None) -> None
 
 
 def test_every_rule_is_put_to_the_test() -> None:
-    """Together the worked examples exercise all rules but that for balises without orientation and for close balises."""
+    """Together the worked examples exercise all rules but those for balises without orientation, close balises and position codes."""
     tested = {rule for name in FIGURES for rule in audit(find_line(name)).cases}
     assert tested == {
         "odometry stretch",
