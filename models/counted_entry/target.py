@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from safeloc.models import counted_entry
 from safeloc.models.counted_entry import NAME, CountedEntryConfig
 from safeloc.models.counted_entry.simulate import simulate
-from safeloc.proof.runs.worked import Steps
 from safeloc.properties import axle_counter as counter_claims
 from safeloc.properties import counted_entry as claims
 from safeloc.properties import verification as verification_claims
+from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Target, recorded
 
 DOC = (
@@ -32,7 +33,7 @@ def target(config: CountedEntryConfig) -> Target:
     )  # fmt: skip
 
 
-def _simulated(config: CountedEntryConfig, seed: int) -> Steps:
+def _simulated(config: CountedEntryConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
     return simulate(config, seed=seed)
 
 

@@ -21,9 +21,9 @@ from safeloc.language.units import PPM_PER_ONE
 from safeloc.models.reflector.ranging import LASER, LIGHT, ULTRASOUND, Ranging
 from safeloc.models.reflector.variables import ReflectorConfig
 
-SOUND_AT_0_C_MM_S = 331_300
+_SOUND_AT_0_C_MM_S = 331_300
 """[M, sure] speed of sound in dry air at 0 degrees C; it grows with the root of the absolute temperature."""
-ZERO_C_CK = 27_315
+_ZERO_C_CK = 27_315
 """0 degrees C in hundredths of a kelvin."""
 LIGHT_MM_S = 299_792_458_000
 """[S] the metre's definition."""
@@ -86,12 +86,12 @@ class UltrasoundConfig(ReflectorConfig):
 
     @property
     def _sound_mm_s(self) -> int:
-        return isqrt(SOUND_AT_0_C_MM_S**2 * self._coldest_ck // ZERO_C_CK)
+        return isqrt(_SOUND_AT_0_C_MM_S**2 * self._coldest_ck // _ZERO_C_CK)
 
     @property
     def _coldest_ck(self) -> int:
         """The coldest air, hundredths of a kelvin above absolute zero."""
-        return ZERO_C_CK + 100 * self.coldest_air_c
+        return _ZERO_C_CK + 100 * self.coldest_air_c
 
     @model_validator(mode="after")
     def _has_the_errors_of_sound(self) -> UltrasoundConfig:

@@ -10,6 +10,7 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Sequence
+from itertools import cycle
 from pathlib import Path
 from statistics import median
 
@@ -25,14 +26,14 @@ QUICK = ("emitter", "axle_head", "travel_direction", "delocalized", "axle_sectio
 
 def cases(edits: int) -> list[Case]:
     """Which machine is edited when: a twentieth the localizer, a tenth the engine."""
-    others, made = [name for name in ENTRIES if name not in LARGE], list[Case]()
+    others, made = cycle(name for name in ENTRIES if name not in LARGE), list[Case]()
     for number in range(edits):
         if number % 20 == 10:
             made.append(Case(number, "machine", LARGE[0]))
         elif number % 10 == 5:
             made.append(Case(number, "engine", QUICK[number // 10 % len(QUICK)]))
         else:
-            made.append(Case(number, "machine", others[number % len(others)]))
+            made.append(Case(number, "machine", next(others)))
     return made
 
 
