@@ -157,5 +157,7 @@ def _answer(one: Mapping[str, Any], data: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _quantile(one: Mapping[str, Any], unit: str) -> str:
-    value, low, high = ("beyond" if one[name] is None else str(one[name]) for name in ("value", "low", "high"))
-    return f"{100 * one['share']:g} % {value} {unit} ({low} to {high})"
+    value, low, high = (one[name] for name in ("value", "low", "high"))
+    said = "not within the run" if value is None else f"{value} {unit}"
+    bounds = "" if low is None else f" ({low} to {'beyond' if high is None else high})"
+    return f"{100 * one['share']:g} % {said}{bounds}"
