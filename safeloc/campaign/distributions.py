@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,15 +41,14 @@ class Fixed(_Declared):
         return np.full(number, self.value)
 
 
-class Uniform(_Declared):
-    """Every value between two ends alike."""
+class _Between(_Declared):
+    """Values between two ends."""
 
-    distribution: Literal["uniform"]
     low: float
     high: float
 
     @model_validator(mode="after")
-    def _ordered(self) -> Uniform:
+    def _ordered(self) -> Self:
         if self.low >= self.high:
             raise ValueError(f"low {self.low:g} is not below high {self.high:g}; for one value write fixed.")
         return self
@@ -58,6 +57,12 @@ class Uniform(_Declared):
     def support(self) -> tuple[float, float]:
         """The least and the greatest value."""
         return self.low, self.high
+
+
+class Uniform(_Between):
+    """Every value between two ends alike."""
+
+    distribution: Literal["uniform"]
 
     @property
     def words(self) -> str:
@@ -103,23 +108,11 @@ class Normal(_Declared):
         return found
 
 
-class LogUniform(_Declared):
+class LogUniform(_Between):
     """The logarithm is uniform: as often between 1 and 10 as between 10 and 100."""
 
     distribution: Literal["log-uniform"]
     low: float = Field(gt=0)
-    high: float
-
-    @model_validator(mode="after")
-    def _ordered(self) -> LogUniform:
-        if self.low >= self.high:
-            raise ValueError(f"low {self.low:g} is not below high {self.high:g}; for one value write fixed.")
-        return self
-
-    @property
-    def support(self) -> tuple[float, float]:
-        """The least and the greatest value."""
-        return self.low, self.high
 
     @property
     def words(self) -> str:
