@@ -102,7 +102,7 @@ def _quiet(leaves: bool, told: Mapping[str, Cell]) -> dict[str, Cell]:
 
 
 def _two_trains(config: CountedEntryConfig) -> Steps:
-    return counting.RUNS["axle_counter-service"].steps(config.counter)  # type: ignore[return-value]
+    return [dict(step) for step in counting.RUNS["axle_counter-service"].steps(config.counter)]
 
 
 def _service(config: CountedEntryConfig) -> Steps:
