@@ -139,12 +139,6 @@ def width(own: Parts) -> Num:
     return own.track.below + own.track.above
 
 
-def _late_mm(own: Parts) -> int:
-    """Return the farthest that a vehicle gets in the latency of a frame, in whole mm."""
-    config = own.config
-    return -(-config.max_speed_mm_s * config.frame_latency_ms // 1_000) + config.measuring_step_mm + 1
-
-
 def seen_from(own: Parts, position: Num, view_from: Num) -> Num:
     """Return the place of end A at which a reflector comes into view, nm: the radar stands behind end A by its offset."""
     return exact_to(position, NM) - exact_to(view_from - own.config.radar_offset_mm, NM)
