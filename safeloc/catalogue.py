@@ -19,8 +19,8 @@ from safeloc.errors import InputError, ModelError
 from safeloc.language.renamed import FIELDS, hint
 from safeloc.own_module import as_input_error, load_module, own_target
 from safeloc.runtime.outside import read_bytes
-from safeloc.shipped import ENTRIES
-from safeloc.shipped.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
+from safeloc.shipped_machines import ENTRIES
+from safeloc.shipped_machines.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
 from safeloc.target import Entry, Target
 
 NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
@@ -112,7 +112,7 @@ def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
 
 def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
     """Load the localizer with a user's sources, or one source alone: `localizer+FILE.py:NAME`, several joined by `+`."""
-    from safeloc.shipped.own_sources import with_own_sources  # loads the localizer
+    from safeloc.shipped_machines.own_sources import with_own_sources  # loads the localizer
 
     named = NAMED.findall(sources)
     if SEPARATOR.join(named) != sources or not named:

@@ -131,7 +131,7 @@ class Entry(Generic[AnyConfig]):
     records_of      record name -> input name, for inputs whose records have another name, such as that of the
                     odometer's unit (docs/records.md)
     pairs           pairs of figures whose front `safeloc margins --pairs` finds
-    folder          its folder of `models/`; `safeloc.shipped` sets it when it finds the entry
+    folder          its folder of `models/`; `safeloc.shipped_machines` sets it when it finds the entry
     """
 
     name: str

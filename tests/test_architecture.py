@@ -84,7 +84,7 @@ ABOVE_THE_ENGINE = (
     "models",
     "properties",
     "targets",
-    "shipped",
+    "shipped_machines",
     "templates",
 )
 KNOWS = {
@@ -103,15 +103,15 @@ KNOWS = {
     "sensing": ("language", "runtime", "railway.map", "config"),
     "simulation": ("language", "runtime", "sensing", "config"),
     "models": (
-        "language", "codegen", "runtime", "reported", "proof.runs", "railway.map", "railway.pictures",
+        "language", "codegen", "runtime", "reported", "proof.drawn_runs", "railway.map", "railway.pictures",
         "railway.telegrams", "sensing", "simulation", "config",
     ),
     "properties": ("language", "models"),
     "target": ("language", "reported", "railway.pictures", "config"),
     "targets": ("language", "runtime", "reported", "models", "properties", "target"),
-    "shipped": ("language", "reported", "models", "properties", "target", "targets"),
+    "shipped_machines": ("language", "reported", "models", "properties", "target", "targets"),
     "own_module": ("language", "reported", "railway.pictures", "target"),
-    "catalogue": ("language", "runtime", "own_module", "shipped", "target"),
+    "catalogue": ("language", "runtime", "own_module", "shipped_machines", "target"),
     "explain": ("language", "codegen", "runtime", "proof", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
     "report": (*ENGINE, "explain", "reported", "assurance", "railway", "models", "target", "catalogue", "config", "yices"),

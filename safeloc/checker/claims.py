@@ -16,7 +16,7 @@ from safeloc.checker.answer import NO_PROOF, OPEN, WRONG, Answer, Check, Row, pr
 from safeloc.checker.dag import INT, Dag, Rewriting
 from safeloc.checker.instance import covered
 from safeloc.checker.rules import Speaker, Terms, Theory
-from safeloc.checker.runs import Occurrences
+from safeloc.checker.run_checks import Occurrences
 from safeloc.errors import InputError, StreamError
 from safeloc.language.composition import Composition
 from safeloc.language.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, as_num, before_step, between, ite

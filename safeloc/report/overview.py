@@ -11,7 +11,7 @@ from typing import Any
 
 from safeloc.report.conditions import needs
 from safeloc.report.links import Links, anchor
-from safeloc.report.told import requirement_verdict, told_of
+from safeloc.report.verdict_words import requirement_verdict, told_of
 from safeloc.runtime.scripts import script
 
 RESULTS = "results.js"

@@ -30,8 +30,8 @@ from safeloc.report.links import Links, anchor, linked
 from safeloc.report.margins import first_page_row, margins_shown
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
-from safeloc.report.told import requirement_lines, told_of
 from safeloc.report.traces import trace_charts, trace_rows
+from safeloc.report.verdict_words import requirement_lines, told_of
 from safeloc.runtime.scripts import script
 
 _HERE = Path(__file__).parent

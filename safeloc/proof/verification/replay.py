@@ -23,8 +23,8 @@ from safeloc.language.terms import variables
 from safeloc.language.trace import Trace, shown
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Held, NotAsked, Result, Violated
+from safeloc.proof.drawn_runs.quick import Quick, quick_run
 from safeloc.proof.results import Finding, Replayed
-from safeloc.proof.runs.quick import Quick, quick_run
 from safeloc.proof.verification.recordings import counted, recorded_steps
 from safeloc.proof.verification.unasked import reason
 from safeloc.runtime.border import Fault

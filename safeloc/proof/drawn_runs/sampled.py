@@ -15,8 +15,8 @@ from safeloc.language.interpret import start, step
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import present_inputs
-from safeloc.proof.runs.lawful import Repair, first_state
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
+from safeloc.proof.drawn_runs.lawful import Repair, first_state
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.target import Target
