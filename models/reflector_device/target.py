@@ -18,7 +18,7 @@ from safeloc.properties import stop_point as stop_claims
 from safeloc.properties import turn_off as course_claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
     "Odometer, balise reader and radar, with the course at switches, the restrictive state and the stop at a platform behind them, in one step: reflectors "
@@ -72,5 +72,9 @@ ENTRIES = (
         members=("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point"),
         configurations=CONFIGURATIONS,
         records_of={"front_wheel_mm": "motion.odometer_mm"},
+        hazard=Hazard(
+            "a false course through a switch is reported, or the train is not braked in time for its stop",
+            ("turn_off: course is true", "brake order in time"),
+        ),
     ),
 )
