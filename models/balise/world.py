@@ -75,7 +75,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         "the age bounds the run since the reading": age_law(
             own.read,
             own.world.true_since,
-            (can_be_run(own), own.odometer.step.value),
+            (can_be_run(own), own.odometer.measured.value),
             period_ms=own.config.period_ms,
             max_speed_mm_s=own.config.max_speed_mm_s,
             measuring_step_mm=own.config.measuring_step_mm,
@@ -105,7 +105,7 @@ def physics(config: BaliseConfig) -> Physics:
 def measuring(own: Parts) -> Measuring:
     """Return the world's view of the odometer, where the machine reads it directly."""
     return Measuring(
-        own.odometer.law, own.odometer.step, own.world.last_delivered, own.world.silent, physics(own.config)
+        own.odometer.law, own.odometer.measured, own.world.last_delivered, own.world.silent, physics(own.config)
     )
 
 
@@ -114,7 +114,7 @@ def can_be_run(own: Parts) -> Bool:
     if not own.config.checked_distance:
         return measuring(own).can_be_run
     most = physics(own.config).farthest_mm
-    return own.odometer.step.present & between(-most, own.odometer.step.value, most)
+    return own.odometer.measured.present & between(-most, own.odometer.measured.value, most)
 
 
 def wander_after(own: Parts) -> Num:
@@ -129,7 +129,7 @@ def _further_error(own: Parts) -> Num:
 
 def _odometer_law(own: Parts) -> Law:
     seen, counts, config = own.world, can_be_run(own), own.config
-    counted = ite(counts, exact_to(own.odometer.step.value, NM), as_num(0, NM))
+    counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
     error = seen.true_step - counted - (wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
     most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
@@ -148,7 +148,7 @@ def _odometer_law(own: Parts) -> Law:
 def _lawful_thousandths(own: Parts) -> Num:
     """Return the error law's bound for a cycle, thousandths of a nm: the floor, and the rate times the distance above the knee."""
     law, period = own.config.odometer, own.config.period_ms
-    measured, knee = own.odometer.step.value * THOUSAND, law.knee_mm_s * period
+    measured, knee = own.odometer.measured.value * THOUSAND, law.knee_mm_s * period
     above = maximum(maximum(measured - knee, -measured - knee), 0)
     return with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period * THOUSAND**2
 
@@ -167,7 +167,7 @@ def _line_law(own: Parts) -> Law:
 
 def _rolling(own: Parts) -> dict[Var, Expr]:
     seen = own.world
-    ran = ite(can_be_run(own), own.odometer.step.value, as_num(0, MM))
+    ran = ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
     rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
     return {seen.rolled: rolled, seen.backwards: backwards}
 

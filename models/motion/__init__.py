@@ -143,7 +143,7 @@ class Parts:
     @property
     def inputs(self) -> list[Optional]:
         """The measured distances."""
-        return [self.odometer.step] if self.check is None else [self.odometer.step, self.check.unit.step]
+        return [self.odometer.measured] if self.check is None else [self.odometer.measured, self.check.unit.measured]
 
 
 @dataclass(frozen=True, eq=False)

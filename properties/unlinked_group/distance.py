@@ -89,7 +89,7 @@ def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
     counted = minimum(earlier_num(odometer.gap) + 1, longest)
     heard = [
         odometer.gap.eq(ite(step.admitted, as_num(0, COUNT), counted)),
-        odometer.last.eq(ite(step.admitted, odometer.step.value, earlier_num(odometer.last))),
+        odometer.last.eq(ite(step.admitted, odometer.measured.value, earlier_num(odometer.last))),
     ]
     yield for_all_inputs(
         "odometer gate",
@@ -98,7 +98,7 @@ def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
         "change of speed since the last one",
         requirements=("RFL-D4",),
     )
-    told, there = model.machine.output("odometer"), odometer.step.present
+    told, there = model.machine.output("odometer"), odometer.measured.present
     flaws = [told.eq(MISSING).iff(~there), told.eq(TOO_FAST).iff(there & ~step.not_too_fast)]
     yield for_all_inputs(
         "the odometer's flaw is named",

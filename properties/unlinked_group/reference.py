@@ -166,8 +166,8 @@ def _withdrawing(model: UnlinkedGroup) -> Iterator[Property]:
     yield within(
         "silence withdraws",
         own.config.gap_limit_cycles,
-        ~odometer.step.present & ~step.serves,
-        odometer.step.present | step.serves | ~step.valid,
+        ~odometer.measured.present & ~step.serves,
+        odometer.measured.present | step.serves | ~step.valid,
         statement="when the odometer is silent, and no further unlinked group is read, there is no reference after the permitted gap "
         "at the latest",
         requirements=("RFL-D4",),
