@@ -110,7 +110,9 @@ def measuring(own: Parts) -> Measuring:
 
 
 def can_be_run(own: Parts) -> Bool:
-    """A distance was delivered, and a vehicle can have run it; of one that comes judged, only its size is asked."""
+    """Return whether a distance was delivered that a vehicle can have run; of one that another machine checked, only the
+    size counts.
+    """
     if not own.config.checked_distance:
         return measuring(own).can_be_run
     most = physics(own.config).farthest_mm
@@ -207,7 +209,7 @@ def _antenna_law(own: Parts) -> Law:
 
 
 def national(own: Parts) -> Num:
-    """The location accuracy in force where linking gives none, mm."""
+    """Return the location accuracy in force if linking gives none, mm."""
     received = own.national.received
     return ite(~received.present, own.world.national, received.value)
 
@@ -335,5 +337,5 @@ def _fine_enough(own: Parts) -> Bool:
 
 
 def is_doubted(own: Parts, group: Num) -> Bool:
-    """The group is the one that was false."""
+    """Return whether the group is the one that was false."""
     return FALSE if own.config.trust_first_group else own.world.doubted.ne(0) & own.world.doubted.eq(group)

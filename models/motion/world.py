@@ -163,7 +163,9 @@ def world(declared: Declared, own: Surroundings) -> World:
 
 
 def initially(own: Surroundings) -> Bool:
-    """From the start the lawful unit's one-off error is within its constant, and the reported distance has the same one-off error."""
+    """Return the condition of the first state: the lawful unit's one-off error is within its constant, and the reported
+    distance has the same one-off error.
+    """
     seen = own.ghosts.units
     if seen is None:
         return as_num(0, NM).eq(0)

@@ -137,7 +137,7 @@ def lawful(own: Parts, unit: Unit) -> Bool:
 
 
 def _never_alone(own: Parts) -> dict[str, Law]:
-    """Where a lone distance is used, assume that the distance of a faulty unit never comes alone."""
+    """Assume, if a lone distance is used, that the distance of a faulty unit never comes alone."""
     if own.ghosts.faulty is None or own.config.single_fault_safe:
         return {}
     pairs = [(2 * number, 2 * number + 1) for number in range(len(own.devices))]
@@ -265,7 +265,9 @@ def _since_stray(own: Parts) -> Num:
 
 
 def _satellite_law(own: Parts) -> dict[str, Law]:
-    """Where positions of satellites serve as markers, they hold; what checks the receiver has to prove it."""
+    """Assume that positions of satellites that serve as markers are right; the machine that checks the receiver has to
+    prove it.
+    """
     given = own.satellites
     if given is None:
         return {}

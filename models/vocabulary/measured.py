@@ -51,6 +51,16 @@ class Limits:
         return self.max_speed_mm_s * self.period_ms * 1_000
 
 
+def max_step_mm(max_speed_mm_s: int, period_ms: int, measuring_step_mm: int) -> int:
+    """Return the greatest distance that is measured in a cycle at the highest speed, mm, rounded up."""
+    return -(-max_speed_mm_s * period_ms // 1_000) + measuring_step_mm
+
+
+def max_step_change_mm(max_acceleration_mm_s2: int, period_ms: int, measuring_step_mm: int) -> int:
+    """Return the most by which the distances of successive cycles differ, mm, rounded up."""
+    return -(-max_acceleration_mm_s2 * period_ms**2 // 1_000_000) + 2 * measuring_step_mm
+
+
 class CycleLimits(Protocol):
     """The figures of a cycle that a measured distance is judged by."""
 

@@ -36,7 +36,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def properties(model: Balise) -> list[Property]:
-    """Every property of the balise machine."""
+    """Return every property of the balise machine."""
     makers = (
         _safety,
         _invalid,

@@ -16,7 +16,7 @@ for_all_inputs = partial(always, requirements=("RFL-9", "RFL-D4"), unconditional
 
 
 def distance_properties(model: UnlinkedGroup) -> Iterator[Property]:
-    """Every property of the distance."""
+    """Return every property of the distance."""
     yield from _safety(model)
     yield from _reading(model)
     yield from _running(model)

@@ -18,7 +18,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def reference_properties(model: UnlinkedGroup) -> Iterator[Property]:
-    """Every property of the reference."""
+    """Return every property of the reference."""
     yield from _taking(model)
     yield from _told_of(model)
     yield from _accuracy(model)

@@ -110,7 +110,9 @@ class Step:
 
     @cached_property
     def charged(self) -> Num:
-        """What the cycle adds to either margin, nm: the error of an admitted distance, or the farthest travel without one."""
+        """The error that the cycle adds to either margin, nm: that of an admitted distance, or the farthest travel
+        without one.
+        """
         config = self.model.own.config
         law, step = config.odometer, self.model.own.odometer.measured.value
         far = maximum(step, -step)
