@@ -205,11 +205,11 @@ def _misses(model: TurnOff) -> Iterator[Property]:
 
 def _backs_off(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    idle, ahead, _, decided, unseen = machine.modes
-    back = own.high < before(own.here)
+    idle, ahead, over, _, unseen = machine.modes
+    ran_over = ~before(machine.mode).one_of(idle, ahead, over)
     yield for_all_inputs(
         "a switch that was run over is forgotten before it",
-        (before(machine.mode).one_of(decided, unseen) & back & _same_switch(own)).implies(machine.mode.eq(idle)),
+        (ran_over & (before(own.here) > own.high) & _same_switch(own)).implies(machine.mode.eq(idle)),
         statement="when the vehicle backs off after the decision, or after giving it up, the machine watches no switch",
     )
     yield for_all_inputs(

@@ -113,14 +113,15 @@ class Side:
                 yield f"{var.name} in {value}", mode.eq(Lit(value, mode.unit)).implies(equal(var, self.twins[var]))
 
     def equal_by_flag(self) -> dict[str, Bool]:
-        """Return for each variable and each flag of the state the equality of both copies while the flag is set, and while not.
+        """Return for each variable and each flag, of state or outputs, the equality of both copies while it is set, and while not.
 
         A stored report that is not there may have any content: its numbers need to be equal only while the flag says that it is there.
         """
-        flags = [var for var in self.twins if isinstance(var, BoolVar)]
+        flags: dict[str, Bool] = {var.name: var for var in self.twins if isinstance(var, BoolVar)}
+        flags |= {f"output {name}": one for name, (one, _) in self.outputs.items() if isinstance(one, Bool)}
         return {
-            f"{var.name} {words} {flag.name}": condition.implies(equal(var, self.twins[var]))
-            for flag in flags
+            f"{var.name} {words} {name}": condition.implies(equal(var, self.twins[var]))
+            for name, flag in flags.items()
             for words, condition in (("while", flag), ("while not", ~flag))
             for var in self.twins
             if var is not flag
