@@ -49,14 +49,14 @@ def _handed_on(model: Localizer) -> Iterator[Property]:
 
 
 def _of_the_guard(model: Localizer) -> Property:
-    """A position that is passed on holds the truth: proved of the restrictive state, given that arbitration's interval holds it."""
+    """The interval that the host gets contains the true position. It is proved of the restrictive state alone, given that arbitration's interval does."""
     guard, truth = model.guard, next(iter(model.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
     position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
     own = under_assumption(
         "containment",
         guard.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
-        statement="the position that the host gets holds the true position of the front end",
+        statement="the interval that the host gets contains the true position of the front end",
     )
     return replace(model.composition.inherited(guard, own), name=own.name)
 
