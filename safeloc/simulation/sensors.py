@@ -161,6 +161,11 @@ def _drawn(
     return bias, rng.uniform(-1, 1, cycles // 100 + 1), rng.random(cycles) >= dropout
 
 
+def skip_measure(rng: np.random.Generator, cycles: int) -> None:
+    """Draw what `measure` draws of a unit, where other measurements take the place of its own."""
+    _drawn(rng, cycles, 0.0)
+
+
 def measured(
     true_nm: NDArray[np.int64],
     period_ms: int,
