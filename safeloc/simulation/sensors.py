@@ -218,9 +218,10 @@ def _drift_nm(law: ErrorFigures, true_nm: NDArray[np.int64], period_ms: int) -> 
 def _episodes(wanted: NDArray[np.float64], cycles: int, most_nm: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a wander that at times moves slowly (at most 1/500 of its range in a cycle), and otherwise rests."""
     path = np.zeros((cycles, wanted.shape[1]))
+    most_change = most_nm / 500
     for number in range(1, cycles):
         gap = wanted[number // 100] * most_nm - path[number - 1]
-        path[number] = path[number - 1] + np.clip(gap, -most_nm / 500, most_nm / 500)
+        path[number] = path[number - 1] + np.minimum(np.maximum(gap, -most_change), most_change)
     return path
 
 

@@ -143,16 +143,16 @@ def _reflector(vehicle: Vehicles, measured: Measured) -> Steps:
     return _named(
         "reflector",
         reflector_streams.simulate(
-            vehicle.config.reflector, seed=vehicle.seeds[0], scene=radar_scene(vehicle.first, disturbed), motion=vehicle.motion,
+            vehicle.config.reflector, seed=vehicle.seeds[0], scene=radar_scene(vehicle.first, tuple(disturbed)), motion=vehicle.motion,
             measured=measured.reported,
         ),
         _check_inputs(measured),
     )  # fmt: skip
 
 
-def radar_scene(journey: Journey, disturbances: Sequence[Fault]) -> Scene:
-    """Return what the radar of one vehicle meets."""
-    return Scene(journey.reflectors, pauses=0, dropout=0, disturbances=tuple(disturbances))
+def radar_scene(journey: Journey, disturbances: tuple[Fault, ...] = ()) -> Scene:
+    """Return what the radar of a vehicle meets."""
+    return Scene(journey.reflectors, pauses=0, dropout=0, disturbances=disturbances)
 
 
 def _satellite(vehicle: Vehicles, _: Measured) -> Steps:

@@ -21,8 +21,10 @@ from safeloc.models.localizer.simulation.simulate import radar_scene
 from safeloc.models.motion.simulate import Measured, measured_by_many
 from safeloc.models.odometry.many import simulate_alike
 from safeloc.models.odometry.variables import OdometryConfig
-from safeloc.models.reflector import simulate as reflector_streams
-from safeloc.simulation.many_runs import Array, Writer, absent_everywhere
+from safeloc.models.reflector.simulation.draws import OfMany
+from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
+from safeloc.models.reflector.simulation.scene import KINDS
+from safeloc.simulation.many_runs import Array, absent_everywhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,16 +88,14 @@ def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
 
 def _reflector(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles = fleet.vehicles
-    found = absent_everywhere(fleet.system, *vehicles.shape)
-    writer = Writer(fleet.system, found)
-    for run, disturbed in enumerate(vehicles.passed_on("reflector")):
-        steps = reflector_streams.simulate(
-            vehicles.config.reflector, seed=vehicles.seeds[run], scene=radar_scene(vehicles.first, disturbed),
-            motion=vehicles.motion, measured=measured.reported.of(run),
-        )  # fmt: skip
-        for cycle, step in enumerate(steps):
-            writer.write(cycle, run, {f"reflector.{name}": cell for name, cell in step.items()})
-    return {name: values for name, values in found.items() if name.startswith("reflector.")}
+    disturbed = vehicles.passed_on("reflector")
+    for own in disturbed:
+        KINDS.require(own, places=[""], length=vehicles.shape[0])
+    made = simulate_radars(
+        vehicles.config.reflector, radar_scene(vehicles.first), vehicles.motion, measured.reported, disturbed,
+        OfMany(fleet.rngs()), fleet.libraries,
+    )  # fmt: skip
+    return fleet.named("reflector", made)
 
 
 def _satellite(fleet: Fleet, _: Measured) -> dict[str, Array]:
