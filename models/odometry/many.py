@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.odometry.ghosts import READERS
-from safeloc.models.odometry.simulate import reading_inputs
+from safeloc.models.odometry.simulate import reading_inputs, sensed
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
+from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import Reading, faulty, measured, passages
+from safeloc.simulation.sensors import Distances, Reading, faulty, measured, passages
 
 MISSED = "missed"
 
@@ -77,6 +78,38 @@ def simulate_many(
     for end, offset in enumerate((0, config.vehicle_length_mm)):
         _read(inputs, config, end, offset, position, markers, accuracy_mm, drawn, rng)
     return ManyRuns(inputs)
+
+
+def simulate_alike(
+    config: OdometryConfig,
+    system: TransitionSystem,
+    motion: Motion,
+    rngs: Sequence[np.random.Generator],
+    faults: Sequence[Sequence[Fault]],
+    markers: Sequence[tuple[int, int]],
+    first_unit: Distances | None,
+    second_unit: Distances | None,
+) -> dict[str, Array]:
+    """Return the inputs of vehicles on one run, without drop-outs and markers missed, from the draws of single runs.
+
+    first_unit, second_unit  distances [cycle, vehicle] of the front end's units, as in `simulate`
+    """
+    cycles, vehicles = len(motion.position_nm), len(rngs)
+    units, readings = sensed(
+        config, motion, rngs, faults, markers=markers, marker_accuracy_mm=1_000, dropout=0, missed=0, foreign=0,
+        first_unit=first_unit, second_unit=second_unit,
+    )  # fmt: skip
+    inputs = absent_everywhere(system, cycles, vehicles)
+    inputs["true_step_nm"][:] = motion.step_nm[:, None]
+    inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
+    for unit in units:
+        inputs[f"{unit.name}_mm"] = np.where(unit.present, unit.step_mm, 0)
+        inputs[f"{unit.name}_mm.present"], inputs[f"{unit.name}_next_wander_nm"] = unit.present, unit.wander_nm
+    for run, read in enumerate(readings):
+        for one in read:
+            if one.cycle < cycles:
+                _write(inputs, reading_inputs(config, one, int(motion.position_nm[one.cycle])), one.cycle, run)
+    return inputs
 
 
 def _measure(
