@@ -62,7 +62,7 @@ def _containment(whole: MarkerDevice) -> Property:
 
 
 def _satellites(whole: MarkerDevice) -> Iterator[Property]:
-    """What the receiver may do to the position: nothing but what its guard passes on."""
+    """Yield the properties of the receiver: it changes the position only by fixes that its guard passes on."""
     source, receiver = whole.composition.of(whole.source.machine), whole.composition.of(whole.receiver.machine)
     passed = receiver.bool(whole.receiver.machine.flag("passed"))
     verdict = source.num(_given(whole).verdict)
@@ -98,7 +98,7 @@ def _antenna(whole: MarkerDevice) -> Property:
 
 
 def _kept(whole: MarkerDevice) -> Iterator[Property]:
-    """What odometry and the restrictive state are proved to keep by themselves, whatever they are given."""
+    """Yield the properties of odometry and the restrictive state that are proved of each alone, for all inputs."""
     of_restrictive = delocalized.properties(whole.restrictive, restrictive_config(whole.config))
     yield from _named(whole, whole.restrictive, of_restrictive, _OF_THE_RESTRICTIVE_STATE)
     yield from _named(whole, whole.source.machine, odometry.properties(whole.source), _OF_ODOMETRY)

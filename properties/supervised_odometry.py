@@ -14,7 +14,9 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(model: Supervised) -> list[Property]:
-    """Containment, tolerance, same-step entry and no resurrection of the whole."""
+    """Return the properties of the composition: containment, tolerance, entry in the same step, and no return without a
+    reference.
+    """
     source, guard = model.composition.of(model.source.machine), model.composition.of(model.guard)
     own, tolerance = model.source.own, model.source.own.config.tolerance_mm
     position, above, below = (

@@ -24,7 +24,7 @@ from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.reported import Reported, usual_names
 from safeloc.simulated import SimulatedRun, Steps
-from safeloc.target import Simulate, Target
+from safeloc.target import Hazard, Simulate, Target
 
 if TYPE_CHECKING:
     from safeloc.railway.pictures import Picture
@@ -81,7 +81,17 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
         simulate=_simulation(module, system),
         pictures=_pictures(module, system),
         unasked="" if properties else _unasked(module),
+        hazard=_hazard(module),
     )
+
+
+def _hazard(module: ModuleType) -> Hazard | None:
+    """Return the hazard that a user's module declares, if it does; InputError for anything else of that name."""
+    declared = getattr(module, "hazard", None)
+    if declared is None or isinstance(declared, Hazard):
+        return declared
+    what = 'expected Hazard("what must not happen", ("name of a property", ...)) of safeloc.target'
+    raise InputError(f"{module.__name__}.hazard is {_described(declared)} ({_file(module)}); {what}.")
 
 
 def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path, ...]:

@@ -1,17 +1,20 @@
-"""Many vehicles of one kind on the routes of a line, for campaigns: odometry as arrays, balises run by run."""
+"""Many vehicles of one kind on the routes of a line, for campaigns: each machine simulated as arrays over vehicles."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.language.system import TransitionSystem
-from safeloc.models.balise import simulate as balise_streams
+from safeloc.models.balise.simulation import many as balise_runs
+from safeloc.models.balise.simulation.many import Line
+from safeloc.models.balise.simulation.passages import KINDS, Antenna
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.line_runs.configs import SPEED_SHARE, LineVehicle, fitting
 from safeloc.models.line_runs.drive import STAND_S
@@ -22,8 +25,9 @@ from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.railway.map.routes import Route
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault, Kinds
-from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, packed
+from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns
 from safeloc.simulation.motion import Motion
+from safeloc.simulation.sensors import SEVERITY, measure_many
 from safeloc.simulation.speed_profile import Halt, drive
 
 TOP, ROUTE = "top_share", "route"
@@ -37,12 +41,14 @@ class OnLine:
     """Vehicles of one kind on the routes of a line; each drives one route, any of them alike.
 
     made_with, system  the configuration of their machine, and the machine with its world
+    libraries          folder for compiled machines; None: a temporary one
     """
 
     vehicle: LineVehicle
     routes: Sequence[Chosen]
     made_with: Config
     system: TransitionSystem
+    libraries: Path | None = None
 
     @cached_property
     def _motions(self) -> dict[tuple[str, float, int], Motion]:
@@ -111,7 +117,7 @@ class OdometryOnLine(OnLine):
 
 
 class BaliseOnLine(OnLine):
-    """Vehicles with the balise machine, simulated one by one: what the map announces follows from what the machine asks for."""
+    """Vehicles with the balise machine, simulated cycle by cycle: what the map announces follows from what the machines ask for."""
 
     @cached_property
     def config(self) -> BaliseConfig:
@@ -141,7 +147,7 @@ class BaliseOnLine(OnLine):
     def kinds(self) -> Mapping[str | int, Kinds]:
         """The places that may be faulty: the odometer, and each group by its identity on board."""
         met = {group.identity for one in self.routes for group in groups(one.route)}
-        return {"odometer": sensors.KINDS, **dict.fromkeys(sorted(met), balise_streams.KINDS)}
+        return {"odometer": sensors.KINDS, **dict.fromkeys(sorted(met), KINDS)}
 
     @property
     def timeless(self) -> Collection[str | int]:
@@ -152,23 +158,30 @@ class BaliseOnLine(OnLine):
         """Return the runs of the vehicles."""
         taken = rng.integers(0, len(self.routes), drawn.vehicles)
         seeds = rng.integers(0, 2**63, drawn.vehicles)
-        streams = [
-            self._stream(self.routes[taken[run]].route, _some(drawn, np.array([run])), cycles, int(seeds[run]))
-            for run in range(drawn.vehicles)
-        ]
-        return ManyRuns(packed(self.system, streams, cycles))
+        parts: list[tuple[np.ndarray, ManyRuns]] = []
+        for number in np.unique(taken):
+            which = np.flatnonzero(taken == number)
+            rngs = [np.random.default_rng(int(seed)) for seed in seeds[which]]
+            parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles, rngs)))
+        return _joined(parts, drawn.vehicles)
 
-    def _stream(self, route: Route, one: Drawn, cycles: int, seed: int) -> balise_streams.Steps:
-        chosen = {name: float(values[0]) for name, values in one.figures.items()}
-        motion = self.motion(route, chosen[TOP], self.config.max_speed_mm_s, self.config.period_ms, cycles)
+    def _on_route(self, route: Route, drawn: Drawn, cycles: int, rngs: Sequence[np.random.Generator]) -> ManyRuns:
+        config, figures = self.config, drawn.figures
+        motions = [
+            self.motion(route, top, config.max_speed_mm_s, config.period_ms, cycles) for top in figures[TOP].tolist()
+        ]
         known = groups(route)
-        met = {group.identity for group in known}
-        return balise_streams.simulate(
-            self.config, seed=seed, motion=motion, groups=known, national_accuracy_mm=self.vehicle.national_mm,
-            dropout=chosen["odometer_dropout"], missed=chosen["missed"], foreign=chosen["foreign"], counted=chosen["counted"],
-            faults=[fault for fault in one.faults[0] if fault.where in met],
-            sensor_faults=[fault for fault in one.faults[0] if fault.where == "odometer"],
+        distances = measure_many(
+            "odometer", np.stack([one.step_nm for one in motions], axis=1), config.period_ms, config.odometer, rngs,
+            dropout=figures["odometer_dropout"].tolist(), severity=[SEVERITY] * drawn.vehicles,
+            faults=[[fault for fault in faults if fault.where == "odometer"] for faults in drawn.faults],
         )  # fmt: skip
+        met = {group.identity for group in known}
+        of_groups = [[fault for fault in faults if fault.where in met] for faults in drawn.faults]
+        shares = (figures[name].tolist() for name in ("missed", "foreign", "counted"))
+        antennas = [Antenna(*one) for one in zip(rngs, *shares, of_groups, strict=True)]
+        line = Line(known, {0: known}, self.vehicle.national_mm, self.libraries)
+        return ManyRuns(balise_runs.simulate_many(config, line, motions, distances, antennas).inputs)
 
 
 ON_LINE: Mapping[str, type[OdometryOnLine | BaliseOnLine]] = {"odometry": OdometryOnLine, "balise": BaliseOnLine}

@@ -1,4 +1,4 @@
-"""What becomes of many runs: the machine runs on them, and each vehicle-cycle is counted by law and by interval.
+"""Outcomes of many runs: the machine runs on them, and each vehicle-cycle is counted by law and by interval.
 
     law kept     every clause of the world has held in the run so far: the proofs speak of the cycle
     law broken   some clause has been broken in this cycle or before it: no proof speaks of it
@@ -10,7 +10,6 @@ A wrong interval with the law broken is hazardous and unnoticed; one with the la
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,11 +21,11 @@ from safeloc.codegen.batch_lanes import compile_lanes
 from safeloc.codegen.c99_build import compiler
 from safeloc.errors import EngineError, InputError
 from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Num, NumVar, Var, all_of, between
-from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.system import TransitionSystem
 from safeloc.language.units import NM_PER_MM, Enumeration
 from safeloc.proof.cache.store import Store, usual_folder
 from safeloc.reported import Reported
-from safeloc.simulation.many_runs import Array, ManyRuns
+from safeloc.simulation.many_runs import ManyRuns, through_border
 from safeloc.target import Target
 
 IN_RANGE = "the variables of the world stay in their ranges"
@@ -112,29 +111,18 @@ def _code(system: TransitionSystem, keep: list[str], *, compiled: bool) -> Prepa
             cc = compiler()
         except EngineError:  # without a compiler numpy gives the same numbers, more slowly
             return compile_batch(system, keep)
-        store = Store(Path(os.environ.get("SAFELOC_CACHE") or usual_folder()))
-        return compile_lanes(system, keep, threads=1, folder=store.libraries, cc=cc)
+        return compile_lanes(system, keep, threads=1, folder=libraries(), cc=cc)
     return compile_batch(system, keep)
 
 
-def through_border(system: TransitionSystem, inputs: Mapping[str, Array]) -> tuple[dict[str, Array], Whole]:
-    """Leave out optional values beyond their range, as the border on board refuses them; return the number refused of each vehicle."""
-    found = dict(inputs)
-    vehicles = next(iter(inputs.values())).shape[1]
-    refused = np.zeros(vehicles, dtype=np.int64)
-    for option in system.optionals:
-        var, value = option.value, found[option.value.name]
-        beyond = (value < var.low) | (value > var.high)
-        if beyond.any():
-            refused += beyond.sum(axis=0)
-            found[var.name] = np.where(beyond, canonical(var), value)
-            found[option.present.name] = found[option.present.name] & ~beyond
-    return found, refused
+def libraries() -> Path:
+    """Return the folder for compiled machines."""
+    return Store(Path(os.environ.get("SAFELOC_CACHE") or usual_folder())).libraries
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What became of every vehicle-cycle: arrays [cycle, vehicle].
+    """The outcome of every vehicle-cycle: arrays [cycle, vehicle].
 
     told     an interval is reported
     held     clause by clause: whether it holds; array [clause, cycle, vehicle]

@@ -1,4 +1,6 @@
-"""What a campaign finds is kept: vehicles with a wrong interval, and those with the smallest margins, as streams with the truth."""
+"""Storage of a campaign's findings: vehicles with a wrong interval, and those with the smallest margins, as streams with
+the truth.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +12,11 @@ from typing import Any
 
 from safeloc.campaign.aggregate import Results
 from safeloc.campaign.declaration import Campaign, Shard
-from safeloc.campaign.judged import through_border
 from safeloc.campaign.scenes import Scene, drawn_runs
 from safeloc.language.nodes import Value
 from safeloc.language.trace import present_inputs
 from safeloc.runtime.streams.steps import write_steps
-from safeloc.simulation.many_runs import Drawn, ManyRuns
+from safeloc.simulation.many_runs import Drawn, ManyRuns, through_border
 
 _STREAMS = "streams"
 AFTER = 20

@@ -11,6 +11,7 @@ import numpy as np
 
 from safeloc.campaign.declaration import Campaign, FaultDraw, Shard, Stratum
 from safeloc.campaign.distributions import Choice, Distribution, Fixed
+from safeloc.campaign.judged import libraries
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
 from safeloc.language.interpret import start
@@ -121,7 +122,7 @@ def _scene(
     target = _made(machine, config.model_dump_json())
     chosen = chosen_routes(Topology(known), routes, None, None)
     content = f"{content_checksum(known)} {[one.route.name for one in chosen]} {driven!r}"
-    return Scene(target, ON_LINE[machine](driven, chosen, config, target.system), content)
+    return Scene(target, ON_LINE[machine](driven, chosen, config, target.system, libraries()), content)
 
 
 @lru_cache(maxsize=4)

@@ -42,7 +42,8 @@ State = dict[Var, Value]
 
 @dataclass(frozen=True)
 class Tried:
-    """How many candidates held in the drawn runs, how many of these are inductive together, and those that prove the property.
+    """Counts of candidates: those that held in the drawn runs, those of them that are inductive together, and those that
+    prove the property.
 
     needed  None if the property is not proved with them either
     """

@@ -6,7 +6,7 @@ Terms are written in full (safeloc.report.exact), so that a reader can see exact
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,12 +17,12 @@ from safeloc.config import figures
 from safeloc.language.checks.machine import input_variables, read_of_machine
 from safeloc.language.digest import declaration_digest, full_digest
 from safeloc.language.machine import Any_, Machine, Transition
-from safeloc.language.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
+from safeloc.language.nodes import Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
 from safeloc.language.spec import Property
 from safeloc.language.system import without_ghosts
-from safeloc.language.terms import Sharing
+from safeloc.language.terms import Sharing, conjuncts
 from safeloc.language.units import Enumeration
 from safeloc.report.declared import declarations, place
 from safeloc.report.exact import Exact, spelled_alone
@@ -119,7 +119,7 @@ def _clauses(machine: Machine, assumed: _Assumed) -> Iterator[dict[str, Any]]:
     """Yield every law of the world with its term in parts, its owner, and the values of the machine that it reads."""
     read = read_of_machine(machine)
     for name, law in machine.world.laws.items():
-        terms, lines = spelled_alone(_conjuncts(law.term), machine.definitions)
+        terms, lines = spelled_alone(list(conjuncts(law.term)), machine.definitions)
         one = assumed[machine.name, name]
         yield {
             "id": one.id,
@@ -136,10 +136,6 @@ def _clauses(machine: Machine, assumed: _Assumed) -> Iterator[dict[str, Any]]:
             "declared": place(law.src) if law.src else "",
             "reads": [var.name for var in read.get(f"clause {name!r}", ())],
         }
-
-
-def _conjuncts(term: Bool) -> Sequence[Expr]:
-    return term.parts if isinstance(term, And) else (term,)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What the search of the report's page looks through: every result, requirement, assumption and transition, in one script.
+"""Data for the search of the report's page: every result, requirement, assumption and transition, in one script.
 
 Words that occur in many rows are kept once: a row names them by number.
 """

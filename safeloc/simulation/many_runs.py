@@ -42,7 +42,7 @@ class DrawnFigure:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """What was drawn of each vehicle: figures (name -> array [vehicle]) and faults."""
+    """The draws of each vehicle: figures (name -> array [vehicle]) and faults."""
 
     vehicles: int
     figures: Mapping[str, NDArray[np.float64]]
@@ -107,18 +107,54 @@ def packed(system: TransitionSystem, streams: Sequence[Sequence[Mapping[str, Cel
         raise InputError(f"{system.name}: a simulated run has {short[0]} cycles; ask for no more than that.")
     flags = {option.present.name: option.value.name for option in system.optionals}
     needed = {var.name for var in system.inputs} - flags.keys() - set(flags.values())
-    inputs, kinds = absent_everywhere(system, cycles, len(streams)), {var.name: _Kind(var) for var in system.inputs}
-    present = {name: inputs[flag] for flag, name in flags.items()}
+    inputs = absent_everywhere(system, cycles, len(streams))
+    writer = Writer(system, inputs)
     for run, stream in enumerate(streams):
         for cycle, step in enumerate(stream[:cycles]):
             if not needed <= step.keys():
                 raise InputError(f"{system.name}: input {min(needed - step.keys())!r} is missing in a simulated step.")
-            for name, cell in step.items():
-                if name in kinds:
-                    inputs[name][cycle, run] = kinds[name].value(cell)
-                    if name in present:
-                        present[name][cycle, run] = True
+            writer.write(cycle, run, step)
     return inputs
+
+
+class Writer:
+    """Writes cells of steps into arrays of inputs; names that no input has are remarks. Ranges are not checked here."""
+
+    def __init__(self, system: TransitionSystem, inputs: Mapping[str, Array]) -> None:
+        self._inputs, self._kinds = inputs, {var.name: _Kind(var) for var in system.inputs}
+        self._present = {option.value.name: inputs[option.present.name] for option in system.optionals}
+
+    def write(self, cycle: int, run: int, cells: Mapping[str, Cell]) -> None:
+        """Write the cells of a step. InputError for a value of another kind."""
+        for name, cell in cells.items():
+            if name in self._kinds:
+                self._inputs[name][cycle, run] = self._kinds[name].value(cell)
+                if name in self._present:
+                    self._present[name][cycle, run] = True
+
+
+def through_border(system: TransitionSystem, inputs: Mapping[str, Array]) -> tuple[dict[str, Array], NDArray[np.int64]]:
+    """Leave out optional values beyond their range, as the border on board refuses them; return the number refused of each vehicle."""
+    found = dict(inputs)
+    vehicles = next(iter(inputs.values())).shape[1]
+    refused = np.zeros(vehicles, dtype=np.int64)
+    for option in system.optionals:
+        var, value = option.value, found[option.value.name]
+        beyond = (value < var.low) | (value > var.high)
+        if beyond.any():
+            refused += beyond.sum(axis=0)
+            found[var.name] = np.where(beyond, canonical(var), value)
+            found[option.present.name] = found[option.present.name] & ~beyond
+    return found, refused
+
+
+def refuse_beyond_ranges(system: TransitionSystem, inputs: Mapping[str, Array]) -> None:
+    """Raise InputError for the first value out of its range that any run has."""
+    for var in system.inputs:
+        if isinstance(var, NumVar):
+            beyond = (inputs[var.name] < var.low) | (inputs[var.name] > var.high)
+            if beyond.any():
+                admitted(var, int(inputs[var.name][tuple(np.argwhere(beyond)[0])]))
 
 
 class _Kind:

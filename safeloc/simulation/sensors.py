@@ -24,6 +24,8 @@ from safeloc.simulation.motion import Motion
 
 FOREIGN = 900_000
 """Identities from here on belong to other lines."""
+SEVERITY = 0.9
+"""Share of the allowed error that a unit uses, unless another one is asked for."""
 KINDS = Kinds(
     "a distance sensor",
     {**plain("stuck", "runaway", "drop-out", "slip", "slide", "freeze"), "jump": {"by_mm": 50_000}},
@@ -57,7 +59,9 @@ class ErrorFigures(Protocol):
 
 @dataclass(frozen=True)
 class Distances:
-    """Measurements of a unit: mm in each cycle, whether present, and the wander (nm) after each cycle. Shapes [cycles].
+    """Measurements of a unit: mm in each cycle, whether present, and the wander (nm) after each cycle.
+
+    Shapes [cycle], or [cycle, run] for the units of many runs.
 
     more_nm   for a distance checked by another unit: error added in each cycle beyond the unit's law
     """
@@ -71,6 +75,17 @@ class Distances:
     def more(self, cycle: int) -> int:
         """Return the error added in a cycle beyond the law, nm; 0 if none is given."""
         return 0 if self.more_nm is None else int(self.more_nm[cycle])
+
+    @property
+    def as_column(self) -> Distances:
+        """The measurements of one run as those of many."""
+        more = None if self.more_nm is None else self.more_nm[:, None]
+        return Distances(self.name, self.step_mm[:, None], self.present[:, None], self.wander_nm[:, None], more)
+
+    def of(self, run: int) -> Distances:
+        """Return the measurements of one of many runs."""
+        more = None if self.more_nm is None else self.more_nm[:, run]
+        return Distances(self.name, self.step_mm[:, run], self.present[:, run], self.wander_nm[:, run], more)
 
 
 @dataclass(frozen=True)
@@ -92,7 +107,7 @@ def measure(
     rng: np.random.Generator,
     *,
     dropout: float = 0.0,
-    severity: float = 0.9,
+    severity: float = SEVERITY,
     faults: Sequence[Fault] = (),
 ) -> Distances:
     """Simulate the distances of one unit.
@@ -102,22 +117,48 @@ def measure(
 
     InputError for a fault that no unit has.
     """
-    KINDS.require(faults)
-    cycles = len(motion.step_nm)
+    true = motion.step_nm[:, None]
+    return measure_many(
+        name, true, motion.period_ms, law, [rng], dropout=[dropout], severity=[severity], faults=[faults]
+    ).of(0)
+
+
+def measure_many(
+    name: str,
+    true_nm: NDArray[np.int64],
+    period_ms: int,
+    law: ErrorFigures,
+    rngs: Sequence[np.random.Generator],
+    *,
+    dropout: Sequence[float],
+    severity: Sequence[float],
+    faults: Sequence[Sequence[Fault]],
+) -> Distances:
+    """Simulate the distances of one unit in many runs, as `measure` does in each: run by run the same draws, and the same figures.
+
+    true_nm   true distances, array [cycle, run]; of one column if all runs drive alike
+    """
+    cycles, runs = len(true_nm), len(rngs)
+    bias, present = np.empty((cycles, runs)), np.empty((cycles, runs), dtype=np.bool_)
+    wanted = np.empty((cycles // 100 + 1, runs))
+    for run, rng in enumerate(rngs):
+        KINDS.require(faults[run])
+        bias[:, run], wanted[:, run], present[:, run] = _drawn(rng, cycles, dropout[run])
+        present[:, run] &= ~_silenced(name, cycles, faults[run])
+    step, wander = measured(true_nm, period_ms, law, np.array(severity, dtype=np.float64), bias, wanted, present)
+    _check_wander(name, law, wander)
+    for run in range(runs):
+        if faults[run]:
+            step[:, run] = faulty(name, step[:, run], faults[run])
+    return Distances(name, step, present, wander)
+
+
+def _drawn(
+    rng: np.random.Generator, cycles: int, dropout: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Return, of one run: the share of the drift in each cycle, the wander wanted in each 100 cycles, and whether a cycle is measured."""
     bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
-    wanted = rng.uniform(-1, 1, cycles // 100 + 1)
-    present = (rng.random(cycles) >= dropout) & ~_silenced(name, cycles, faults)
-    step, wander = measured(
-        motion.step_nm[:, None],
-        motion.period_ms,
-        law,
-        np.array([severity]),
-        bias[:, None],
-        wanted[:, None],
-        present[:, None],
-    )
-    _check_wander(name, law, wander[:, 0])
-    return Distances(name, faulty(name, step[:, 0], faults), present, wander[:, 0])
+    return bias, rng.uniform(-1, 1, cycles // 100 + 1), rng.random(cycles) >= dropout
 
 
 def measured(
@@ -179,7 +220,7 @@ def _episodes(wanted: NDArray[np.float64], cycles: int, most_nm: NDArray[np.floa
 
 
 def _check_wander(name: str, law: ErrorFigures, wander: NDArray[np.int64]) -> None:
-    if len(wander) and int(np.abs(wander).max()) > law.constant_mm * NM_PER_MM // 2:
+    if wander.size and int(np.abs(wander).max()) > law.constant_mm * NM_PER_MM // 2:
         raise InputError(
             f"{name}: a constant of {law.constant_mm} mm cannot hold the rounding to whole mm; make it >= 2 mm."
         )
@@ -228,21 +269,42 @@ def read_markers(
                  for each marker: the marker lies that far from its mapped place
     foreign      share of cycles with a marker of another track, whose identity the map does not have
     """
-    readings = []
-    shifts = {} if isinstance(accuracy_mm, int) else {m: rng.uniform(-0.9, 0.9) * accuracy_mm[m] for m, _ in markers}
-    before = motion.start_nm - offset_mm * NM_PER_MM
-    for cycle, place in enumerate(motion.position_nm - offset_mm * NM_PER_MM):
-        low, high = sorted((before, int(place)))
-        passed = [(m, p) for m, p in markers if low < (p + shifts.get(m, 0.0)) * NM_PER_MM <= high]
-        if passed and rng.random() >= missed:
-            marker, spot = passed[-1]
+    known = None if isinstance(accuracy_mm, int) else accuracy_mm
+    shifts = {} if known is None else {m: rng.uniform(-0.9, 0.9) * known[m] for m, _ in markers}
+    places = motion.position_nm - offset_mm * NM_PER_MM
+    met = _met(places, motion.start_nm - offset_mm * NM_PER_MM, [(p + shifts.get(m, 0.0)) for m, p in markers])
+    readings: list[Reading] = []
+    done = 0
+
+    def strange(end_cycle: int) -> None:
+        """Draw for each cycle from the last one drawn for whether it brings a marker of another track."""
+        cycles = done + np.flatnonzero(rng.random(max(0, end_cycle - done)) < foreign)
+        readings.extend(Reading(int(cycle), end, FOREIGN + int(cycle) % 1000, None, 0, 0) for cycle in cycles)
+
+    for cycle, number in met.items():
+        strange(cycle)
+        done = cycle
+        if rng.random() >= missed:
+            marker, spot = markers[number]
             bound_mm = accuracy_mm if isinstance(accuracy_mm, int) else accuracy_mm[marker]
             error = float(rng.uniform(-0.9, 0.9)) * bound_mm if marker not in shifts else -shifts[marker]
-            readings.append(Reading(cycle, end, marker, spot, bound_mm, round(place / NM_PER_MM - spot + error)))
-        elif rng.random() < foreign:
-            readings.append(Reading(cycle, end, FOREIGN + cycle % 1000, None, 0, 0))
-        before = int(place)
+            readings.append(
+                Reading(cycle, end, marker, spot, bound_mm, round(places[cycle] / NM_PER_MM - spot + error))
+            )
+            done += 1
+    strange(len(places))
     return readings
+
+
+def _met(places: NDArray[np.int64], start_nm: int, spots_mm: Sequence[float]) -> dict[int, int]:
+    """Return the cycles in which a reader passes a place, in order, each with the number of the last place that it passes there."""
+    before = np.concatenate([[start_nm], places[:-1]])
+    low, high = np.minimum(before, places), np.maximum(before, places)
+    found: dict[int, int] = {}
+    for number, spot in enumerate(spots_mm):
+        true = spot * NM_PER_MM
+        found |= dict.fromkeys(np.flatnonzero((low < true) & (true <= high)).tolist(), number)
+    return dict(sorted(found.items()))
 
 
 def passages(

@@ -1,4 +1,4 @@
-"""Machines that are simulated vehicle by vehicle: balises on a line, and the localizer on its journeys."""
+"""Machines with feedback between map and machine on board: balises on a line, and the localizer on its journeys."""
 
 from __future__ import annotations
 

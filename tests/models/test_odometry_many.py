@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from safeloc.campaign.declaration import parse_campaign
-from safeloc.campaign.judged import IN_RANGE, judge_of, through_border
+from safeloc.campaign.judged import IN_RANGE, judge_of
 from safeloc.campaign.scenes import check_strata, drawn_runs
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
+from safeloc.simulation.many_runs import through_border
 from safeloc.simulation.motion import Leg, VehicleConfig, move
 from safeloc.simulation.sensors import measure, measured, passages, read_markers
 from tests.campaign.declared import ON_VALLEY

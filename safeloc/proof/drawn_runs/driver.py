@@ -88,7 +88,9 @@ class _Known:
 
 @dataclass(frozen=True)
 class _Stretch:
-    """Where a stretch led to: the rows of inputs that it added, the state after them, and what had held until then."""
+    """The end of a stretch: the rows of inputs that it added, the state after them, and the properties that had held
+    until then.
+    """
 
     rows: tuple[Row, ...]
     state: Row
