@@ -17,18 +17,18 @@ from pydantic import BaseModel
 from safeloc.config import Configurations
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
-from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.reported import Reported
+from safeloc.simulated import Steps
 
 if TYPE_CHECKING:
     from safeloc.railway.pictures import Picture
 
 AnyConfig = TypeVar("AnyConfig", bound=BaseModel)
-Simulate = Callable[[int], Sequence[Mapping[str, Value | str]]]
-"""A simulation: seed -> steps of simulated sensors."""
+Simulate = Callable[[int], Steps]
+"""A simulation: seed -> steps of simulated sensors, or a SimulatedRun, which has first values as well."""
 MODELS = Path(__file__).parent / "models"
 """The folders of the machines that ship; in the folder of each its recordings, witnesses and reasons."""
 

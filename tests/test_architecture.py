@@ -91,9 +91,10 @@ KNOWS = {
     "language": (),
     "codegen": ("language",),
     "yices": (),
+    "simulated": ("language",),
     "reported": ("language",),
     "runtime": ("language", "codegen", "reported", "target", "config"),
-    "proof": ("language", "codegen", "runtime", "target", "yices"),
+    "proof": ("language", "codegen", "runtime", "target", "simulated", "yices"),
     "assurance": ("language", "codegen", "runtime", "proof", "target", "reported", "catalogue", "config", "own_module"),
     "railway.pictures": ("language", "reported"),
     "railway.map": ("language", "runtime", "railway.pictures", "config"),
@@ -107,10 +108,10 @@ KNOWS = {
         "railway.telegrams", "sensing", "simulation", "config",
     ),
     "properties": ("language", "models"),
-    "target": ("language", "reported", "railway.pictures", "config"),
+    "target": ("language", "reported", "railway.pictures", "config", "simulated"),
     "targets": ("language", "runtime", "reported", "models", "properties", "target"),
     "shipped_machines": ("language", "reported", "models", "properties", "target", "targets"),
-    "own_module": ("language", "reported", "railway.pictures", "target"),
+    "own_module": ("language", "reported", "railway.pictures", "simulated", "target"),
     "catalogue": ("language", "runtime", "own_module", "shipped_machines", "target"),
     "explain": ("language", "codegen", "runtime", "proof", "target"),
     "checker": ("language", "runtime", "report", "catalogue", "target", "yices"),
@@ -118,10 +119,10 @@ KNOWS = {
     "templates": ("language", "proof", "models", "catalogue"),
     "pytest_plugin": ("language", "proof", "target", "catalogue"),
     "campaign": (
-        *ENGINE, "railway.map", "railway.audit", "simulation", "models", "report", "catalogue", "target", "reported", "config",
+        *ENGINE, "railway.map", "railway.audit", "simulation", "simulated", "models", "report", "catalogue", "target", "reported", "config",
     ),
     "cli": (
-        *ENGINE, "assurance", "campaign", "checker", "explain", "railway", "simulation", "models", "report", "catalogue", "target", "config", "templates",
+        *ENGINE, "assurance", "campaign", "checker", "explain", "railway", "simulation", "models", "report", "catalogue", "target", "config", "simulated", "templates",
     ),
 }  # fmt: skip
 """Each room, or module at the root, and what it may import beside itself and the errors. The railway's have a row each.

@@ -20,6 +20,7 @@ from safeloc.language.machine import Any_, Machine, Transition
 from safeloc.language.nodes import Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
+from safeloc.language.spec import Property
 from safeloc.language.system import without_ghosts
 from safeloc.language.terms import Sharing, conjuncts
 from safeloc.language.units import Enumeration
@@ -49,7 +50,27 @@ def machine_data(target: Target) -> dict[str, Any]:
             {"section": target.sections.get(machine.name, machine.name), **_part(machine, assumed)}
             for machine in target.machines
         ],
+        "formulas": {
+            prop.name: _formula(target, prop) for prop in target.properties if prop.statement in ("", prop.name)
+        },
         "declared": declarations(target),
+    }
+
+
+def _formula(target: Target, prop: Property) -> dict[str, Any]:
+    """Return what a property requires, term by term, for a property that is not stated in words."""
+    named = {name: term for machine in target.machines for name, term in machine.definitions.items()}
+    required = {"always": prop.term, "within": prop.response, "reachable": prop.term}[prop.kind]
+    before = [prop.term] if prop.kind == "within" else []
+    terms, lines = spelled_alone([*before, *_conjuncts(required)], named if len(target.machines) == 1 else {})
+    words = {
+        "always": ["always"] * len(terms),
+        "within": ["whenever", *[f"within {prop.steps} steps"] * (len(terms) - 1)],
+        "reachable": ["in some run"] * len(terms),
+    }[prop.kind]
+    return {
+        "terms": [f"{word}: {term}" for word, term in zip(words, terms, strict=True)],
+        "parts": [asdict(line) for line in lines],
     }
 
 

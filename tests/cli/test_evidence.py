@@ -27,7 +27,7 @@ def test_cores_as_lines_and_as_data(call: Call) -> None:
     told = call("cores", "transmission", "--cache", KEPT)
     assert 0 == told.code
     assert "containment: 1-induction\n    clauses: a position that is sent holds the truth" in told.out
-    assert "clauses that no proof needs: " in told.out
+    assert "clauses that no claim needs (obligations, such as ranges, may need them): " in told.out
     data = json.loads(call("cores", "transmission", "--cache", KEPT, "--json").out)
     assert ("safeloc-cores/1", "transmission") == (data["schema"], data["target"])
     [one] = [core for core in data["cores"] if core["claim"] == "containment"]
@@ -38,7 +38,7 @@ def test_cores_of_one_property(call: Call) -> None:
     """What no claim needs is not told then: not all were asked."""
     told = call("cores", "transmission", "--property", "containment", "--cache", KEPT)
     assert told.out.startswith("containment")
-    assert "no proof needs" not in told.out
+    assert "no claim needs" not in told.out
     assert told.out.endswith("\n1 claim\n")
     wrong = call("cores", "transmission", "--property", "contain")
     assert 2 == wrong.code

@@ -63,9 +63,12 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
     assert "<b>a run</b>" not in shown
     machine = transmission().machines[0]
     others = [name for name in machine.world.laws if name != TRUE_SENT]
-    assert f"Clauses that no proof needs: {'; '.join(others) or 'none'}." in shown
     assert (
-        "Transitions that no proof needs: "
+        f"Clauses that no claim needs (obligations, such as ranges, may need them): {'; '.join(others) or 'none'}."
+        in shown
+    )
+    assert (
+        "Transitions whose effect no claim needs (when they fire is kept, and may be needed): "
         + "; ".join(row.name for row in transmission().machines[0].transitions).replace("'", "&#39;")
         in shown
     )
