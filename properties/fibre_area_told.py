@@ -69,11 +69,11 @@ class _Seen:
         return self.verification.num(machine.mode).eq(machine.modes[number])
 
     def says(self, fibre: Fibre, output: str) -> Bool:
-        """Properties of the machine of one end."""
+        """Return an output of the machine of one end."""
         return self.model.composition.of(fibre.machine).bool(fibre.machine.flag(output))
 
     def chain(self, output: str) -> Bool:
-        """Properties of the emitter's machine."""
+        """Return an output of the emitter's machine."""
         machine = self.model.emitter.machine
         return self.model.composition.of(machine).bool(machine.flag(output))
 
