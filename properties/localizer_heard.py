@@ -139,7 +139,7 @@ def _distances(model: Localizer, source: object) -> Iterator[Bool]:
     elif isinstance(source, balise.Balise | reflector.ReflectorMachine):
         into, own = of(source.machine), source.own.odometer
         checked = moves.own.check is not None and own.more is not None
-        yield hears_value(into, own.step, *(_of_motion(model) if checked else _of_unit(model, moves.own.odometer.step)))
+        yield hears_value(into, own.step, *(_of_motion(model) if checked else _of_unit(model, moves.own.odometer.measured)))
         if checked and own.more is not None:
             yield into.num(own.more).eq(of(moves.machine).num(moves.machine.output("more_nm")))
 
