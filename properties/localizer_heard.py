@@ -135,11 +135,13 @@ def _distances(model: Localizer, source: object) -> Iterator[Bool]:
     moves, of = model.motion, model.composition.of
     if isinstance(source, odometry.Odometry):
         for unit, measured in zip(source.own.units, moves.own.inputs, strict=False):
-            yield hears_value(of(source.machine), unit.step, *_of_unit(model, measured))
+            yield hears_value(of(source.machine), unit.measured, *_of_unit(model, measured))
     elif isinstance(source, balise.Balise | reflector.ReflectorMachine):
         into, own = of(source.machine), source.own.odometer
         checked = moves.own.check is not None and own.more is not None
-        yield hears_value(into, own.step, *(_of_motion(model) if checked else _of_unit(model, moves.own.odometer.measured)))
+        yield hears_value(
+            into, own.measured, *(_of_motion(model) if checked else _of_unit(model, moves.own.odometer.measured))
+        )
         if checked and own.more is not None:
             yield into.num(own.more).eq(of(moves.machine).num(moves.machine.output("more_nm")))
 
