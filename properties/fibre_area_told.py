@@ -1,4 +1,4 @@
-"""What the machines of a fibre area tell each other (FVA-4, FVA-8, FVA-9): a wire from another output would keep every other claim.
+"""Claims about the messages between the machines of a fibre area (FVA-4, FVA-8, FVA-9): a wire from another output would keep every other claim.
 
 That a disagreement withholds is claimed in `properties.fibre_area`. Here is the other direction: a train is distrusted, withheld or not
 reported only for what a machine before says in that cycle.
@@ -64,16 +64,16 @@ class _Seen:
         self.report, self.area = of(model.report.machine), of(model.area.machine)
 
     def mode(self, number: int) -> Bool:
-        """The verification is in this mode: 1 withheld, 2 trusted, 3 untrusted."""
+        """Return whether the verification is in this mode: 1 withheld, 2 trusted, 3 untrusted."""
         machine = self.model.verification.machine
         return self.verification.num(machine.mode).eq(machine.modes[number])
 
     def says(self, fibre: Fibre, output: str) -> Bool:
-        """What the machine of one end says."""
+        """Return an output of the machine of one end."""
         return self.model.composition.of(fibre.machine).bool(fibre.machine.flag(output))
 
     def chain(self, output: str) -> Bool:
-        """What the emitter's machine says."""
+        """Return an output of the emitter's machine."""
         machine = self.model.emitter.machine
         return self.model.composition.of(machine).bool(machine.flag(output))
 
@@ -177,7 +177,7 @@ def _located(seen: _Seen) -> Property:
 
 
 def _compared(seen: _Seen) -> Iterator[Property]:
-    """What is compared with a record depends on who sent it."""
+    """Properties of the comparison with a record, which depends on its sender."""
     model, own = seen.model, seen.model.verification.own
     machine, comes = model.verification.machine, seen.entry.num(model.entry.comes)
     speed, place = (seen.verification.bool(machine.flag(f"verified_{one}_at_entry")) for one in ("speed", "place"))

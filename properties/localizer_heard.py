@@ -1,4 +1,4 @@
-"""What the machines of a localizer hear of each other (RFL-13, RFL-14): a wire from another output would keep every other claim.
+"""Claims about the wires between the machines of a localizer (RFL-13, RFL-14): a wire from another output would keep every other claim.
 
 Containment is kept as well by an arbitration that does not hear a source at all: it then notices no contradiction by it. So here it
 is said of every source that arbitration hears whatever it states, and nothing else; and the same of the vehicle's distance, of the

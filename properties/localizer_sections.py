@@ -117,7 +117,7 @@ def _radio(model: LocalizerSections) -> Iterator[Property]:
 
 
 def _heard(model: LocalizerSections) -> Iterator[Property]:
-    """What the machines behind the localizer hear: another interval that holds the truth would keep every other claim."""
+    """Claims about the inputs of the machines behind the localizer: another interval that holds the truth would keep every other claim."""
     uplink, guard, of = model.localizer.uplink, model.localizer.guard, model.composition.of
     ends, far, told = of(model.ends.machine), of(model.far_uplink.machine), of(uplink.machine)
     here, sent = model.ends.own, model.far_uplink.own
