@@ -26,7 +26,7 @@ from safeloc.runtime.embedding import Program, localizer_program
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import LineCutter
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 ROUNDS, CYCLES, PERIOD_MS = "11", 2_000, 100
 TARGET = 1.1

@@ -18,10 +18,10 @@ from itertools import islice
 from pathlib import Path
 
 from safeloc.models.odometry.variables import OdometryConfig
-from safeloc.proof.runs.sampled import recorded_run
+from safeloc.proof.drawn_runs.sampled import recorded_run
 from safeloc.runtime.embedding import Controller, Program, localizer_program
 from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 PERIOD_MS, STEP_MM, MARKER_EVERY = 100, 1_200, 200
 ENDS: tuple[End, End] = ("front", "rear")

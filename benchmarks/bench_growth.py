@@ -27,7 +27,7 @@ from safeloc.models.localizer import LocalizerConfig, SourceName
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.one import Plan, Work
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.kept_lines import keep, kept_lines
 

@@ -12,8 +12,8 @@ from pathlib import Path
 
 from safeloc.codegen.c_loader import load_c
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.proof.runs.sampled import drawn_run
-from safeloc.shipped import ENTRIES
+from safeloc.proof.drawn_runs.sampled import drawn_run
+from safeloc.shipped_machines import ENTRIES
 
 STEPS, TIMES, ROUNDS = 100, 20, 20
 

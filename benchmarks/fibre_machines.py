@@ -16,7 +16,7 @@ from benchmarks.turns import Contender, Last, Ready, race
 from safeloc.codegen.compiled import Compiled, Row, compile_system
 from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 MACHINES = ("fibre", "verification", "axle_head", "axle_counter", "axle_section", "train_order", "emitter")
 TARGET = 1e6

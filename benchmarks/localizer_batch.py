@@ -20,8 +20,8 @@ from safeloc.codegen.numpy_code import Array
 from safeloc.language.expr import BoolVar
 from safeloc.language.interpret import read_inputs
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.proof.runs.sampled import drawn_run, recorded_run
-from safeloc.shipped import ENTRIES
+from safeloc.proof.drawn_runs.sampled import drawn_run, recorded_run
+from safeloc.shipped_machines import ENTRIES
 
 ROUNDS, TARGET = 5, 2e6
 SIZES = ((1_000, 40), (10_000, 10), (100_000, 4))

@@ -9,7 +9,7 @@ from functools import cache
 
 from safeloc.language.system import without_ghosts
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 STEP_MM, MARKER_EVERY = 120, 200
 UNITS = (("front", "wheel"), ("front", "radar"), ("rear", "wheel"), ("rear", "radar"))

@@ -81,7 +81,7 @@ class LayoutConfig(Config):
         return self.radar_error_mm + self.map_accuracy_mm
 
     def balise_fix_mm(self, location_accuracy_mm: int | None) -> int:
-        """Error of a position taken from a balise group, mm; by the national value if linking gives none."""
+        """Return the error of a position taken from a balise group, mm; by the national value if linking gives none."""
         own = self.balise_accuracy_mm if location_accuracy_mm is None else location_accuracy_mm
         return own + self.detection_accuracy_mm
 

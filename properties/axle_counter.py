@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.spec import Property, always, reachable
-from safeloc.language.units import COUNT, NM, UM, UM_S
+from safeloc.language.units import COUNT, MS, NM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
@@ -28,10 +28,15 @@ def properties(model: AxleCounter) -> list[Property]:
         *_truth(model),
         *_within_bounds(model),
         *_exact(model),
+        *_narrow_speeds(model),
+        *_narrow_runs(model),
+        *_narrow_from_the_first(model),
         *_spoils(model),
+        *_too_long(model),
         *_spoilt(model),
         *_pause(model),
         *_flaws(model),
+        *_no_passage(model),
         *_records(model),
         *_recorded(model),
     ]
@@ -107,11 +112,92 @@ def _exact(model: AxleCounter) -> Iterator[Property]:
     )
 
 
+# ------------------------------------------------------------------ bounds no wider than they need to be
+
+
+def _change_mm_s(own: Parts) -> int:
+    """Return the greatest change of speed in a cycle, in whole mm/s, rounded up."""
+    return -(own.config.change_mm_s2 * own.config.period_ms // -1_000)
+
+
+def _goes_on(model: AxleCounter) -> Bool:
+    """Return whether a passage of the cycle before goes on, or ends with its record."""
+    _, _, passing, done = model.machine.modes
+    return before(model.machine.mode).eq(passing) & model.machine.mode.one_of(passing, done)
+
+
+def _begins(model: AxleCounter) -> Bool:
+    """Return whether the first axle of a passage passes in this cycle."""
+    _, _, passing, _ = model.machine.modes
+    return before(model.machine.mode).ne(passing) & model.machine.mode.eq(passing)
+
+
+def _narrow_speeds(model: AxleCounter) -> Iterator[Property]:
+    own, change = model.own, _change_mm_s(model.own)
+    measured = own.axle.ne(NO_AXLE) & (_goes_on(model) | _begins(model))
+    yield _held(
+        "the speed widens by traction and brakes alone",
+        _goes_on(model).implies(
+            (before(own.low_speed) - own.low_speed <= change) & (own.high_speed - before(own.high_speed) <= change)
+        ),
+        "in one cycle the bounds of the speed move apart by no more than a train can change its speed, either way",
+    )
+    yield _held(
+        "the speed is as exact as measured",
+        measured.implies((own.slow.value - own.low_speed <= change) & (own.high_speed - own.fast.value <= change)),
+        "after an axle the bounds of the speed are those of the axle, apart by no more than a train can change its speed since",
+    )
+
+
+def _narrow_runs(model: AxleCounter) -> Iterator[Property]:
+    own, period, change = model.own, Lit(model.own.config.period_ms, MS), _change_mm_s(model.own)
+    least, most = ((before(own.low_speed) - change) * period, (before(own.high_speed) + change) * period)
+    yield _held(
+        "the run widens by the speed alone",
+        _goes_on(model).implies(
+            (own.run_low - before(own.run_low) >= least) & (own.run_high - before(own.run_high) <= most)
+        ),
+        "in one cycle the bounds of the run move no farther than the bounds of the speed permit",
+    )
+    since = own.past_low - ite(own.axle.eq(NO_AXLE), before(own.past_low), 0)
+    yield _held(
+        "the run since the last axle widens by the speed alone",
+        _goes_on(model).implies((since >= least) | (own.axle.ne(NO_AXLE) & (since >= 0))),
+        "the bound of the run since the last axle falls no faster than the lower bound of the speed permits",
+    )
+    yield _held(
+        "the length ends with the last axle",
+        (_goes_on(model) & own.axle.ne(NO_AXLE)).implies(
+            any_of(own.length_low >= low for low in (own.run_low, before(own.run_low)))
+            & any_of(own.length_high <= high for high in (own.run_high, before(own.run_high)))
+        ),
+        "with each axle the bounds of the length are those of the run in its cycle",
+    )
+
+
+def _narrow_from_the_first(model: AxleCounter) -> Iterator[Property]:
+    own, period = model.own, Lit(model.own.config.period_ms, MS)
+    lows, highs = (own.run_low, own.length_low, own.past_low), (own.run_high, own.length_high)
+    yield _held(
+        "the run begins in the cycle of the first axle",
+        _begins(model).implies(
+            all_of((low >= 0) | (low >= own.low_speed * period) for low in lows)
+            & all_of((high <= 0) | (high <= own.high_speed * period) for high in highs)
+        ),
+        "after the first axle run and length are no wider than a whole cycle at the bounds of the speed",
+    )
+
+
 # ------------------------------------------------------------------ spoilt passages
 
 
 def _other_way(own: Parts) -> Bool:
     return own.axle.ne(NO_AXLE) & own.axle.ne(before(own.came))
+
+
+def _late(own: Parts) -> Bool:
+    """Return the condition that the headway may have passed since the last axle, which may lie at the edge of its cycle, as this one."""
+    return (before(own.pause) + 2) * own.config.period_ms > own.config.headway_ms
 
 
 def _spoils(model: AxleCounter) -> Iterator[Property]:
@@ -129,12 +215,21 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
         (before_.eq(passing) & _other_way(own)).implies(mode.eq(spoilt)),
         "an axle in the other direction spoils the passage in the same cycle",
     )
-    late = (before(own.pause) + 2) * own.config.period_ms > own.config.headway_ms
     yield _held(
         "an axle after the headway spoils",
-        (before_.eq(passing) & own.axle.ne(NO_AXLE) & late).implies(mode.eq(spoilt)),
+        (before_.eq(passing) & own.axle.ne(NO_AXLE) & _late(own)).implies(mode.eq(spoilt)),
         "an axle that comes so long after the last one that it may be another train's spoils the passage in the "
         "same cycle",
+    )
+
+
+def _too_long(model: AxleCounter) -> Iterator[Property]:
+    own = model.own
+    longest = Lit(own.config.length_limit_mm * 1_000, UM)
+    yield _held(
+        "no longer train than the longest goes on",
+        _goes_on(model).implies(before(own.length_high) <= longest),
+        "a passage that may be longer than the longest train is spoilt in the next cycle",
     )
 
 
@@ -194,6 +289,24 @@ def _flaws(model: AxleCounter) -> Iterator[Property]:
     )
 
 
+def _no_passage(model: AxleCounter) -> Iterator[Property]:
+    """Claim that neither a direction nor a flaw is left over from an earlier passage."""
+    machine = model.machine
+    spoilt, idle, passing, done = machine.modes
+    mode, direction, flaw = machine.mode, machine.output("record_direction"), machine.output("record_flaw")
+    spoilt_before = mode.eq(done) & flaw.ne(p.SOUND) & flaw.ne(p.LENGTH_UNKNOWN)
+    yield _held(
+        "no direction without a passage",
+        (mode.one_of(spoilt, idle) | spoilt_before).implies(direction.eq(NO_AXLE)),
+        "without a train on the counter, and of a spoilt passage, no direction is reported",
+    )
+    yield _held(
+        "no flaw without a spoilt passage",
+        mode.one_of(idle, passing).implies(flaw.eq(p.SOUND)),
+        "without a train on the counter, and while an undisturbed passage goes on, no flaw is reported",
+    )
+
+
 def _causes(own: Parts) -> dict[Lit, Bool]:
     counted, config = own.axle.ne(NO_AXLE), own.config
     unknown = ~own.slow.present | ~own.fast.present | (own.slow.value > own.fast.value)
@@ -204,7 +317,7 @@ def _causes(own: Parts) -> dict[Lit, Bool]:
         p.TOO_MANY: before(own.count) + own.number > config.axle_limit,
         p.TOO_LONG: (before(own.length_high) > Lit(config.length_limit_mm * 1_000, UM)) | _far_off(own),
         p.SPEED_CONTRADICTED: counted & ~unknown,
-        p.MAYBE_ANOTHER_TRAIN: counted & (before(own.pause) > 0),
+        p.MAYBE_ANOTHER_TRAIN: counted & _late(own),
     }
 
 
@@ -222,7 +335,8 @@ def _records(model: AxleCounter) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, _, passing, _ = machine.modes
     before_, sound = before(machine.mode), machine.flag("record_sound")
-    nothing = [machine.output(f"record_{name}") for name in ("axles", "length_low_um", "length_high_um")]
+    bounds = ("length_low_um", "length_high_um", "speed_low_mm_s", "speed_high_mm_s", "run_low_um", "run_high_um")
+    numbers = [machine.output(f"record_{name}") for name in ("axles", *bounds)]
     yield _held(
         "a record needs a passage",
         sound.implies(before_.eq(passing) & (own.count > 0)),
@@ -230,7 +344,7 @@ def _records(model: AxleCounter) -> Iterator[Property]:
     )
     yield _held(
         "nothing without a record",
-        (~sound).implies(nothing[0].eq(0) & nothing[1].eq(0) & nothing[2].eq(0)),
+        (~sound).implies(all_of(number.eq(0) for number in numbers)),
         "without a sound record all its numbers are zero",
     )
 
@@ -241,15 +355,18 @@ def _recorded(model: AxleCounter) -> Iterator[Property]:
     _, _, passing, done = machine.modes
     mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
     ready = machine.flag("record_ready")
+    known = own.length_high - own.length_low <= Lit(own.config.length_spread_mm * 1_000, UM)
     yield _held(
         "a passage ends with its record",
-        (before_.eq(passing) & mode.eq(done)).implies(ready & (sound | own.flaw.eq(p.LENGTH_UNKNOWN))),
+        (before_.eq(passing) & mode.eq(done)).implies(
+            ready & sound.iff(known) & (sound | own.flaw.eq(p.LENGTH_UNKNOWN))
+        ),
         "a passage that was not spoilt ends with a sound record, or its length is not known well enough",
     )
     gap = Lit(own.config.axle_gap_mm * 1_000, UM)
     yield _held(
         "a record comes as soon as the train has passed",
-        (mode.eq(passing) & own.axle.eq(NO_AXLE)).implies(own.past_low <= gap),
+        mode.eq(passing).implies(own.past_low <= gap),
         "the record comes in the cycle in which the train has certainly run farther than two axles are apart",
     )
     yield reachable(

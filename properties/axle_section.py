@@ -40,6 +40,7 @@ def properties(model: AxleSection) -> list[Property]:
         *_answers(model),
         *_occupied(model),
         *_disturbed(model),
+        *_no_count(model),
         *_from_power_up(model),
         *_sweeps(model),
         *_frees(model),
@@ -250,6 +251,17 @@ def _disturbed(model: AxleSection) -> Iterator[Property]:
     )
 
 
+def _no_count(model: AxleSection) -> Iterator[Property]:
+    """Claim that a count that cannot be believed is not reported."""
+    machine = model.machine
+    unknown, _, _, disturbed, _ = machine.modes
+    yield _held(
+        "no axles are reported without a count",
+        machine.mode.one_of(unknown, disturbed).implies(machine.output("axles").eq(0)),
+        "after power-up and while it is disturbed, the section reports no number of axles",
+    )
+
+
 def _from_power_up(model: AxleSection) -> Iterator[Property]:
     machine = model.machine
     unknown, _, _, disturbed, sweeping = machine.modes
@@ -268,7 +280,7 @@ def _from_power_up(model: AxleSection) -> Iterator[Property]:
 
 def _sweeps(model: AxleSection) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    sweeping = machine.modes[-1]
+    _, clear, _, disturbed, sweeping = machine.modes
     mode, before_, accepted = machine.mode, before(machine.mode), own.answer.eq(ACCEPTED)
     goes_on = mode.eq(sweeping) & before_.eq(sweeping) & ~accepted
     kept = all_of(latch.iff(was(latch) | axles.ne(0)) for latch, axles in _ways(own))
@@ -277,6 +289,11 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
         goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.count)),
         "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten "
         "on the way",
+    )
+    yield _held(
+        "a sweep ends clear or disturbed",
+        before_.eq(sweeping).implies(mode.one_of(sweeping, clear, disturbed)),
+        "a sweep goes on until the section is clear, or disturbed anew",
     )
     yield _held(
         "a sweep begins with the reset",

@@ -107,7 +107,9 @@ def _disturbed(whole: CountedEntry) -> Iterator[Property]:
 
 
 def _kept(whole: CountedEntry) -> Iterator[Property]:
-    """What the verification keeps of a doubted fibre, by the counter's record."""
+    """Return the properties that the verification keeps although the fibre may be wrong, because it relies on the
+    counter's record.
+    """
     for claim in verification.properties(whole.verified):
         if claim.name in _OF_THE_VERIFICATION:
             kept = whole.composition.inherited(whole.verified.machine, claim)

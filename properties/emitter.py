@@ -157,6 +157,11 @@ def _patterns(model: Emitter) -> Iterator[Property]:
         statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the "
         "own one from elsewhere",
     )
+    yield for_all_inputs(
+        "a foreign pattern is reported",
+        model.machine.flag("foreign_heard").iff(meanings[FOREIGN]),
+        statement="another emitter's pattern is reported in the cycle in which it comes, and in no other",
+    )
 
 
 def _times(model: Emitter) -> Iterator[Property]:
@@ -213,7 +218,12 @@ def _recovery(model: Emitter) -> Iterator[Property]:
     _, tested, failed = machine.modes
     mode, passed, elsewhere = machine.mode, own.last_verdict.eq(PASSED), own.last_verdict.eq(ELSEWHERE)
     so_far = ite(before(mode).eq(failed) & (_awaited(model) > 0), before(own.passes), as_num(0, COUNT))
-    nothing_counts = mode.ne(failed) | before(mode).ne(failed) | elsewhere
+    nothing_counts = before(mode).ne(failed) | elsewhere
+    yield for_all_inputs(
+        "patterns count after a failure only",
+        mode.ne(failed).implies(own.passes.eq(0)),
+        statement="no pattern counts towards a recovery unless the chain has failed",
+    )
     yield for_all_inputs(
         "failure is not forgotten",
         (before(mode).eq(failed) & machine.flag("chain_tested")).implies(machine.fired("enough patterns pass")),
@@ -221,7 +231,7 @@ def _recovery(model: Emitter) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "patterns count one after the other",
-        ite(nothing_counts, own.passes.eq(0), own.passes.eq(ite(passed, so_far + 1, so_far))),
+        mode.eq(failed).implies(ite(nothing_counts, own.passes.eq(0), own.passes.eq(ite(passed, so_far + 1, so_far)))),
         statement="after a failure each pattern that passes counts, and none counts any longer when the next one is missed",
     )
     yield for_all_inputs(

@@ -64,7 +64,7 @@ class _Seen:
 
     @property
     def _far(self) -> Num:
-        """How far a follower can have run in the cycle."""
+        """Return the farthest that a follower can have run in the cycle."""
         started = ite(self._enters, self._place, maximum(earlier_num(self._bound), self._place))
         return minimum(started + self._step, self._limit)
 
@@ -88,7 +88,7 @@ class _Seen:
         return self._bound <= self._far
 
     def run_on(self, trains: Sequence[tuple[Slot, Bool]]) -> Bool:
-        """The bound is as far in as a run of one cycle, or at the far end of a train whose order is known."""
+        """Return whether the bound is as far in as a run of one cycle, or at the far end of a train whose order is known."""
         left = any_of(earlier_bool(self._of.bool(one.present)) & ~self._of.bool(one.present) for one, _ in trains)
         own = self._own
         quiet = self._of.bool(own.healthy & ~own.clear) & ~self._enters & ~left

@@ -8,7 +8,7 @@ from functools import partial
 from safeloc.language.expr import Bool, all_of, before, between, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.models.turn_off import TurnOff
-from safeloc.models.turn_off.variables import COURSE, STRAIGHT, UNDECIDED, Parts
+from safeloc.models.turn_off.variables import COURSE, LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts
 
 LAW = (
     "the map gives a switch while it lies ahead, with its reflector; lateral places are measured within their error; the image "
@@ -26,6 +26,7 @@ def properties(model: TurnOff) -> list[Property]:
         _contradiction,
         _decided,
         _straight,
+        _turning,
         _noting,
         _watched,
         _given_up,
@@ -115,6 +116,20 @@ def _straight(model: TurnOff) -> Iterator[Property]:
     )
 
 
+def _turning(model: TurnOff) -> Iterator[Property]:
+    """Yield that a turn is stated with the first measurement that shows it, to the millimetre."""
+    machine, own, turn_mm = model.machine, model.own, model.own.config.turn_mm
+    watched = _was_watching(model) & _same_switch(own) & machine.mode.one_of(*machine.modes[2:4])
+    to_right_mm = before(own.noted) - own.lateral
+    for words, course, shown in (("left", LEFT, to_right_mm > turn_mm), ("right", RIGHT, to_right_mm + turn_mm < 0)):
+        yield for_all_inputs(
+            f"a turn to the {words} is stated when it shows",
+            watched.implies(machine.output("course").eq(course).iff(own.measured & shown)),
+            statement=f"over the switch the machine states a turn to the {words} exactly when a measured image has moved to "
+            "the other side by more than the least motion of a turn",
+        )
+
+
 def _noting(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, ahead, over, *_ = machine.modes
@@ -124,6 +139,11 @@ def _noting(model: TurnOff) -> Iterator[Property]:
             own.noted.eq(before(own.noted)) | (own.noted.eq(own.lateral) & own.measured & (own.high < own.here))
         ),
         statement="the machine notes a lateral place only from a measurement while the vehicle is surely before the switch",
+    )
+    yield for_all_inputs(
+        "the last place before the switch is noted",
+        (machine.mode.eq(ahead) & before(machine.mode).eq(ahead) & own.measured).implies(own.noted.eq(own.lateral)),
+        statement="before the switch the machine notes the lateral place anew with every measurement",
     )
     error = own.config.lateral_error_mm
     yield under_assumption(
@@ -174,17 +194,24 @@ def _given_up(model: TurnOff) -> Iterator[Property]:
 
 def _misses(model: TurnOff) -> Iterator[Property]:
     own, machine = model.own, model.machine
+    _, ahead, over, *_ = machine.modes
     one_more = ite(before(own.misses) < own.config.miss_limit_cycles, before(own.misses) + 1, before(own.misses))
     yield for_all_inputs(
         "cycles without a measurement are counted",
-        (machine.flag("watching") & _was_watching(model)).implies(own.misses.eq(ite(~own.measured, one_more, 0))),
-        statement="while it watches the image, the machine counts cycles in a row without a measurement",
+        machine.mode.one_of(ahead, over).implies(own.misses.eq(ite(~own.measured, one_more, 0))),
+        statement="while it watches the image, before and on the switch, the machine counts cycles in a row without a measurement",
     )
 
 
 def _backs_off(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    idle, ahead, *_, unseen = machine.modes
+    idle, ahead, over, _, unseen = machine.modes
+    ran_over = ~before(machine.mode).one_of(idle, ahead, over)
+    yield for_all_inputs(
+        "a switch that was run over is forgotten before it",
+        (ran_over & (before(own.here) > own.high) & _same_switch(own)).implies(machine.mode.eq(idle)),
+        statement="when the vehicle backs off after the decision, or after giving it up, the machine watches no switch",
+    )
     yield for_all_inputs(
         "before the switch nothing is stated of it",
         (own.high < own.here).implies(

@@ -49,6 +49,7 @@ from safeloc.language.system import lower, without_ghosts
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, require_proved
 from safeloc.language.world import Law, World
 from safeloc.moved import refuse_old_names as _refuse_old_names
+from safeloc.simulated import SimulatedRun
 
 __all__ = [
     "ANY",
@@ -64,6 +65,7 @@ __all__ = [
     "PropertyError",
     "Proved",
     "SafelocError",
+    "SimulatedRun",
     "SnapshotError",
     "StreamError",
     "Transition",

@@ -19,8 +19,8 @@ from safeloc.errors import InputError, ModelError
 from safeloc.language.renamed import FIELDS, hint
 from safeloc.own_module import as_input_error, load_module, own_target
 from safeloc.runtime.outside import read_bytes
-from safeloc.shipped import ENTRIES
-from safeloc.shipped.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
+from safeloc.shipped_machines import ENTRIES
+from safeloc.shipped_machines.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
 from safeloc.target import Entry, Target
 
 NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
@@ -31,17 +31,18 @@ LARGEST_CONFIG = 1_000_000
 __all__ = ["DEFAULTS", "ENTRIES", "Entry", "Target", "configured", "load_target", "read_config"]
 
 
-def load_target(spec: str, config: Path | None = None) -> Target:
+def load_target(spec: str, config: Path | None = None, *, with_recordings: bool = True) -> Target:
     """Load a shipped machine by name, or a user's own as `package.module:name` or `path/to/file.py:name`.
 
     A user's name is a Machine, a Composition, or a function that returns one (called without arguments, or with the
     content of the configuration file). Its module may define `properties` and `recordings` (paths from its file), each a list or
     a function of the machine, `simulate`, a function of a seed that returns the steps of a run, `reported`, a Reported that names
-    the outputs of the interval, and `pictures`, a list of drawings of its recorded runs.
+    the outputs of the interval, and `pictures`, a list of drawings of its recorded runs. Without `with_recordings`, a recording that a
+    user's module names need not be there.
     The target records the requested name (`spec`) and, if its module declares no property, the reason (`unasked`).
     InputError names the requested machine and the existing ones.
     """
-    return replace(_found(spec, config), spec=spec, config_file=config)
+    return replace(_found(spec, config, with_recordings), spec=spec, config_file=config)
 
 
 DEFAULTS = "the defaults"
@@ -70,12 +71,12 @@ def configured(spec: str, names: Sequence[str]) -> Iterator[tuple[str, Target]]:
             yield name, built
 
 
-def _found(spec: str, config: Path | None) -> Target:
+def _found(spec: str, config: Path | None, with_recordings: bool) -> Target:
     kind, plus, sources = spec.partition(SEPARATOR)
     if plus and kind in KINDS:
         return _with_sources(kind, sources, config)
     if ":" in spec:
-        return own_target(spec, config, None if config is None else _content(config))
+        return own_target(spec, config, None if config is None else _content(config), with_recordings=with_recordings)
     if spec not in ENTRIES:
         close = difflib.get_close_matches(spec, ENTRIES, n=1)
         hint = f" Did you mean {close[0]!r}?" if close else ""
@@ -112,7 +113,7 @@ def with_sources(spec: str, sources: Sequence[str]) -> list[str]:
 
 def _with_sources(kind: str, sources: str, config: Path | None) -> Target:
     """Load the localizer with a user's sources, or one source alone: `localizer+FILE.py:NAME`, several joined by `+`."""
-    from safeloc.shipped.own_sources import with_own_sources  # loads the localizer
+    from safeloc.shipped_machines.own_sources import with_own_sources  # loads the localizer
 
     named = NAMED.findall(sources)
     if SEPARATOR.join(named) != sources or not named:

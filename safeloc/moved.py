@@ -18,6 +18,7 @@ MOVED = {
     "safeloc.backends": "safeloc.codegen",
     "safeloc.border": "safeloc.runtime.border",
     "safeloc.cache": "safeloc.proof.cache",
+    "safeloc.checker.runs": "safeloc.checker.run_checks",
     "safeloc.checks": "safeloc.language.checks",
     "safeloc.codegen.known": "safeloc.codegen.simplify_under_facts",
     "safeloc.codegen.live": "safeloc.codegen.dead_code",
@@ -104,6 +105,7 @@ MOVED = {
     "safeloc.proof.provers.reading": "safeloc.proof.provers.z3_to_terms",
     "safeloc.proof.provers.recorded": "safeloc.proof.provers.recorded_witnesses",
     "safeloc.proof.provers.transfer": "safeloc.proof.provers.verdicts_as_data",
+    "safeloc.proof.runs": "safeloc.proof.drawn_runs",
     "safeloc.properties.balise_layout": "safeloc.properties.balise.layout",
     "safeloc.properties.balise_linking": "safeloc.properties.balise.linking",
     "safeloc.properties.balise_step": "safeloc.properties.balise.step",
@@ -114,9 +116,10 @@ MOVED = {
     "safeloc.railway.audit.whole": "safeloc.railway.audit.all_rules",
     "safeloc.ranges": "safeloc.language.ranges",
     "safeloc.render": "safeloc.language.render",
+    "safeloc.report.told": "safeloc.report.verdict_words",
     "safeloc.requirements": "safeloc.assurance.requirements",
     "safeloc.results": "safeloc.proof.results",
-    "safeloc.runs": "safeloc.proof.runs",
+    "safeloc.runs": "safeloc.proof.drawn_runs",
     "safeloc.runtime.embedding.entries": "safeloc.runtime.embedding.row_layout",
     "safeloc.runtime.embedding.hearing": "safeloc.runtime.embedding.target_inputs",
     "safeloc.runtime.embedding.judging": "safeloc.runtime.embedding.readable_records",
@@ -126,11 +129,12 @@ MOVED = {
     "safeloc.runtime.service.pace": "safeloc.runtime.service.clock_lag",
     "safeloc.sensing.fibre.runs": "safeloc.sensing.fibre.shaken_stretches",
     "safeloc.service": "safeloc.runtime.service",
-    "safeloc.shipped.localizer": "safeloc.models.localizer.target",
-    "safeloc.shipped.making": "safeloc.target",
-    "safeloc.shipped.odometry": "safeloc.models.odometry.target",
-    "safeloc.shipped.receiver": "safeloc.models.guard.target",
-    "safeloc.shipped.satellite": "safeloc.models.satellite.target",
+    "safeloc.shipped": "safeloc.shipped_machines",
+    "safeloc.shipped_machines.localizer": "safeloc.models.localizer.target",
+    "safeloc.shipped_machines.making": "safeloc.target",
+    "safeloc.shipped_machines.odometry": "safeloc.models.odometry.target",
+    "safeloc.shipped_machines.receiver": "safeloc.models.guard.target",
+    "safeloc.shipped_machines.satellite": "safeloc.models.satellite.target",
     "safeloc.signals": "safeloc.sensing",
     "safeloc.spec": "safeloc.language.spec",
     "safeloc.streams": "safeloc.runtime.streams",
@@ -149,7 +153,7 @@ If one of these lower modules has another place, it has a row of its own.
 
 _A_FILE_EACH = (
     "it is gone. Each machine's entry stands in target.py of its folder, such as safeloc.models.emitter.target; "
-    "safeloc.shipped.ENTRIES has all of them."
+    "safeloc.shipped_machines.ENTRIES has all of them."
 )
 _A_THEOREM = "it is gone. The machines of theorems about odometry are no part of the package; they stand in tests/theorems/odometry/ of the repository."
 _THEOREMS = (
@@ -169,10 +173,10 @@ GONE = {
     **{f"safeloc.{name}": _A_THEOREM for name in _THEOREMS},
     "safeloc.codegen.runtime": "to_fsm and to_async_fsm are gone. Controller(target).follow(model) of "
     "safeloc.runtime.embedding lets a host's object follow the machine, behind the border (docs/embedding.md).",
-    "safeloc.shipped.fibre": _A_FILE_EACH,
-    "safeloc.shipped.hosting": "SILENT and UNITS are gone. Entry.silent and Entry.records_of of safeloc.shipped.ENTRIES state it "
+    "safeloc.shipped_machines.fibre": _A_FILE_EACH,
+    "safeloc.shipped_machines.hosting": "SILENT and UNITS are gone. Entry.silent and Entry.records_of of safeloc.shipped_machines.ENTRIES state it "
     "of each machine; Entry.make hands it to the target.",
-    "safeloc.shipped.markers": _A_FILE_EACH,
+    "safeloc.shipped_machines.markers": _A_FILE_EACH,
 }
 """Name of a removed module -> instructions for its users."""
 

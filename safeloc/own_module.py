@@ -18,11 +18,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 from safeloc.errors import InputError, SafelocError
 from safeloc.language.composition import Composition
+from safeloc.language.interpret import start
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.reported import Reported, usual_names
-from safeloc.target import Simulate, Target
+from safeloc.simulated import SimulatedRun, Steps
+from safeloc.target import Hazard, Simulate, Target
 
 if TYPE_CHECKING:
     from safeloc.railway.pictures import Picture
@@ -31,8 +33,12 @@ _NEARLY = ("properties", "property", "props")
 """Names that look like a misspelt `properties`."""
 
 
-def own_target(spec: str, config: Path | None, given: Mapping[str, Any] | None) -> Target:
+def own_target(
+    spec: str, config: Path | None, given: Mapping[str, Any] | None, *, with_recordings: bool = True
+) -> Target:
     """Return the machine at `file.py:name` or `package.module:name`; `given` is the content of the configuration file.
+
+    with_recordings  read what the module says of recordings; False where one of them may be about to be made
 
     InputError for a module that cannot be loaded, and for declarations of the wrong form.
     """
@@ -47,13 +53,14 @@ def own_target(spec: str, config: Path | None, given: Mapping[str, Any] | None) 
             found = found(given) if given is not None else found()
     elif config is not None:
         raise InputError(f"{config}: {spec} takes no configuration; name a function that gets its content.")
+    if not isinstance(found, (Machine, Composition)):
+        raise InputError(
+            f"{spec} is of type {type(found).__name__}; expected a Machine, a Composition or a function returning one."
+        )
+    streams = _recordings(module, found) if with_recordings else ()
     if isinstance(found, Machine):
-        return replace(_target(module, found, lower(found), found.doc), given=given)
-    if isinstance(found, Composition):
-        return replace(_target(module, found, found.system, ""), given=given)
-    raise InputError(
-        f"{spec} is of type {type(found).__name__}; expected a Machine, a Composition or a function returning one."
-    )
+        return replace(_target(module, found, lower(found), found.doc), given=given, streams=streams)
+    return replace(_target(module, found, found.system, ""), given=given, streams=streams)
 
 
 def _target(module: ModuleType, found: Machine | Composition, system: TransitionSystem, doc: str) -> Target:
@@ -70,12 +77,21 @@ def _target(module: ModuleType, found: Machine | Composition, system: Transition
         properties,
         None,
         doc,
-        _recordings(module, found),
-        reported,
-        _simulation(module),
-        _pictures(module, system),
+        reported=reported,
+        simulate=_simulation(module, system),
+        pictures=_pictures(module, system),
         unasked="" if properties else _unasked(module),
+        hazard=_hazard(module),
     )
+
+
+def _hazard(module: ModuleType) -> Hazard | None:
+    """Return the hazard that a user's module declares, if it does; InputError for anything else of that name."""
+    declared = getattr(module, "hazard", None)
+    if declared is None or isinstance(declared, Hazard):
+        return declared
+    what = 'expected Hazard("what must not happen", ("name of a property", ...)) of safeloc.target'
+    raise InputError(f"{module.__name__}.hazard is {_described(declared)} ({_file(module)}); {what}.")
 
 
 def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path, ...]:
@@ -92,8 +108,11 @@ def _recordings(module: ModuleType, found: Machine | Composition) -> tuple[Path,
     return paths
 
 
-def _simulation(module: ModuleType) -> Simulate | None:
-    """Return the function `simulate` of a user's module, if it has one; InputError for anything else of that name."""
+def _simulation(module: ModuleType, system: TransitionSystem) -> Simulate | None:
+    """Return the function `simulate` of a user's module, if it has one; InputError for anything else of that name.
+
+    First values that its runs choose are checked when it is called.
+    """
     declared = getattr(module, "simulate", None)
     if declared is None or isinstance(declared, ModuleType):  # a package may have a file simulate.py
         return None
@@ -101,9 +120,14 @@ def _simulation(module: ModuleType) -> Simulate | None:
         what = "expected a function of a seed that returns the steps of a run"
         raise InputError(f"{module.__name__}.simulate is {_described(declared)} ({_file(module)}); {what}.")
 
-    def simulated(seed: int) -> list[dict[str, Any]]:
+    def simulated(seed: int) -> Steps:
         with as_input_error(f"{module.__name__}.simulate"):
-            return [dict(step) for step in cast(Simulate, declared)(seed)]
+            made = cast(Simulate, declared)(seed)
+            steps = [dict(step) for step in made]
+            if not isinstance(made, SimulatedRun):
+                return steps
+            start(system, made.first)
+            return SimulatedRun(steps, dict(made.first))
 
     return simulated
 

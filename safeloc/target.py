@@ -17,20 +17,32 @@ from pydantic import BaseModel
 from safeloc.config import Configurations
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
-from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.reported import Reported
+from safeloc.simulated import Steps
 
 if TYPE_CHECKING:
     from safeloc.railway.pictures import Picture
 
 AnyConfig = TypeVar("AnyConfig", bound=BaseModel)
-Simulate = Callable[[int], Sequence[Mapping[str, Value | str]]]
-"""A simulation: seed -> steps of simulated sensors."""
+Simulate = Callable[[int], Steps]
+"""A simulation: seed -> steps of simulated sensors, or a SimulatedRun, which has first values as well."""
 MODELS = Path(__file__).parent / "models"
 """The folders of the machines that ship; in the folder of each its recordings, witnesses and reasons."""
+
+
+@dataclass(frozen=True)
+class Hazard:
+    """A wrong-side failure of a target, beside a wrong interval: the top event of its fault tree (EN 50129).
+
+    text    the hazard as a sentence, such as "a section is reported clear with an axle in it"
+    claims  the names of the properties whose breach is the hazard; `*` stands for any letters
+    """
+
+    text: str
+    claims: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +65,7 @@ class Target:
     sections  of a composition: the part of the configuration with the figures of a machine, by the machine's name, where it has another
               name; laws name figures of that part
     members   of a composition: the properties of each machine alone, in its own variables, by the machine's name
+    hazard    the hazard, for a target that does not report an interval, or not only that
     """
 
     name: str
@@ -76,6 +89,7 @@ class Target:
     config_file: Path | None = None
     members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
     sections: Mapping[str, str] = field(default_factory=dict)
+    hazard: Hazard | None = None
 
 
 class Family(Enum):
@@ -130,8 +144,10 @@ class Entry(Generic[AnyConfig]):
                     machine that ships in compositions alone
     records_of      record name -> input name, for inputs whose records have another name, such as that of the
                     odometer's unit (docs/records.md)
+    hazard          the hazard, for a machine that does not report an interval, or not only that; where it depends on the
+                    configuration, the target states it
     pairs           pairs of figures whose front `safeloc margins --pairs` finds
-    folder          its folder of `models/`; `safeloc.shipped` sets it when it finds the entry
+    folder          its folder of `models/`; `safeloc.shipped_machines` sets it when it finds the entry
     """
 
     name: str
@@ -142,6 +158,7 @@ class Entry(Generic[AnyConfig]):
     place: int = LAST
     configurations: Configurations = Configurations()
     no_interval: str = ""
+    hazard: Hazard | None = None
     silent: tuple[str, ...] = ()
     members: tuple[str, ...] = ()
     records_of: Mapping[str, str] = field(default_factory=dict)
@@ -165,7 +182,13 @@ class Entry(Generic[AnyConfig]):
         inputs = {var.name for var in target.system.inputs}
         silent = tuple(name for name in self.silent if name in names)
         input_of_record = {record: name for record, name in self.records_of.items() if name in inputs}
-        return replace(target, silent=silent, input_of_record=input_of_record, witnesses=witnesses_of(self.name))
+        return replace(
+            target,
+            silent=silent,
+            input_of_record=input_of_record,
+            witnesses=witnesses_of(self.name),
+            hazard=target.hazard or self.hazard,
+        )
 
 
 def recorded(name: str) -> tuple[Path, ...]:

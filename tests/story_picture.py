@@ -12,10 +12,10 @@ from pathlib import Path
 
 from safeloc.models.odometry.simulate import simulate
 from safeloc.models.odometry.variables import OdometryConfig
-from safeloc.proof.runs.quick import quick_run
+from safeloc.proof.drawn_runs.quick import quick_run
 from safeloc.report.drawing import Axis
 from safeloc.reported import Reported
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.simulation.motion import Leg
 
 PICTURE = Path(__file__).parents[1] / "docs" / "story.svg"

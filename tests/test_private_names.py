@@ -1,4 +1,4 @@
-"""A function or constant that nothing but its own module uses has a name that begins with an underscore."""
+"""A function or constant that nothing but its own module uses has a name that begins with an underscore, and is used there."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import ast
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 from tests.rooms import ROOT
@@ -19,6 +20,7 @@ TYPE = re.compile(r"[A-Z]\w*[a-z]\w*")
 """Types are named by the signatures of public functions, which return them."""
 
 
+@cache
 def written(folders: tuple[str, ...]) -> dict[Path, str]:
     """The text of every Python file in these folders; packages that are links to a folder count once."""
     return {
@@ -29,9 +31,15 @@ def written(folders: tuple[str, ...]) -> dict[Path, str]:
     }
 
 
+@cache
+def top(text: str) -> list[ast.stmt]:
+    """The statements of a module."""
+    return ast.parse(text).body
+
+
 def public(text: str) -> Iterator[str]:
     """The public functions and constants of a module."""
-    for node in ast.parse(text).body:
+    for node in top(text):
         match node:
             case ast.FunctionDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
                 names = [name]
@@ -66,3 +74,34 @@ def test_a_name_that_only_its_module_has_is_found() -> None:
     text = "USED = 1\nLONELY = 2\nTOLD = 3\n_OWN = 4\nType = int\ndef lonely(): ...\n"
     texts = {here: text, ROOT / "tests" / "there.py": "from safeloc.here import USED\n"}
     assert [(here, "LONELY"), (here, "lonely")] == list(only_at_home(texts, "what TOLD means"))
+
+
+# ------------------------------------------------------------------ private names without a use
+
+
+def unused(text: str) -> Iterator[str]:
+    """The private functions, classes and constants at the top of a module that nothing in it uses; decorators use what they mark."""
+    for node in top(text):
+        match node:
+            case ast.FunctionDef(name=name, decorator_list=[]) | ast.ClassDef(name=name, decorator_list=[]):
+                names = [name]
+            case ast.AnnAssign(target=ast.Name(id=name)):
+                names = [name]
+            case ast.Assign(targets=targets):
+                names = [one.id for one in targets if isinstance(one, ast.Name)]
+            case _:
+                names = []
+        yield from (one for one in names if re.match("_(?!_)", one) and len(re.findall(rf"\b{one}\b", text)) == 1)
+
+
+def test_what_is_private_is_used_in_its_module() -> None:
+    """What nothing uses any more is removed: nobody else may use it."""
+    found = {path: list(unused(text)) for path, text in written(OWN).items()}
+    assert {} == {path.relative_to(ROOT).as_posix(): names for path, names in found.items() if names}
+
+
+def test_a_private_name_without_a_use_is_found() -> None:
+    text = (
+        "_USED = 1\n_LEFT: int = _USED\ndef _left(): ...\n@mark\ndef _marked(): ...\n__all__ = []\nclass _Left: ...\n"
+    )
+    assert ["_LEFT", "_left", "_Left"] == list(unused(text))

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import safeloc
-from safeloc import errors
+from safeloc import errors, simulated
 from safeloc.language import (
     absence,
     composition,
@@ -41,6 +41,7 @@ PUBLIC = {
     system: ("lower", "without_ghosts"),
     composition: ("Clause", "compose"),
     interpret: ("run",),
+    simulated: ("SimulatedRun",),
     verdict: ("Held", "Proved", "Unknown", "Violated", "require_proved"),
     errors: (
         "EngineError", "InputError", "ModelError", "NotProvedError", "PropertyError", "SafelocError", "SnapshotError",

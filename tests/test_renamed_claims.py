@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 import pytest
 
 from safeloc.language.composed_names import contract_text, inputs_text
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.rooms import ROOT
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.assurance.evidence.top_event import hazard_claims
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError, StreamError
 from safeloc.language.verdict import word
@@ -65,6 +66,9 @@ def test_shipped_machines_declare_their_interval(name: str) -> None:
     assert (target.reported is None) == bool(reason), f"{name}: declare `reported` in the target, or `no_interval`"
     if target.reported is None:
         assert reason.endswith(".")
+        assert hazard_claims(target), (
+            f"{name}: declare `hazard` in the entry; nothing else is the top event of its faults"
+        )
         return
     assert set(target.reported.outputs) <= set(target.system.outputs)
     assert target.reported.truth in {var.name for var in target.system.ghosts}

@@ -19,7 +19,7 @@ from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program, Report
 from safeloc.runtime.streams.record_files import record_or_fault
 from safeloc.runtime.streams.records import Record, Unusable
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 PERIOD_MS = 100
 

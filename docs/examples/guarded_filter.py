@@ -19,7 +19,7 @@ from filterpy.kalman import KalmanFilter  # type: ignore[import-untyped,unused-i
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Interval, Program
 from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord, Record
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 PERIOD_MS, SPEED_MM_S = 100, 20_000
 STEP_MM = SPEED_MM_S * PERIOD_MS // 1_000

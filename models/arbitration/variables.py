@@ -133,7 +133,7 @@ class Parts:
 
 
 def parts(config: ArbitrationConfig) -> Parts:
-    """Fresh variables for one vehicle."""
+    """Return fresh variables for one vehicle."""
     return Parts(config)
 
 

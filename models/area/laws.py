@@ -1,4 +1,4 @@
-"""What several laws of a line area say in the same words: the end at which a train came in, and lengths in um."""
+"""Terms that several laws of a line area share: the end at which a train came in, and lengths in um."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from random import Random
 
 from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.axle_counter import AxleCounterConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 _SPREAD_MM_S = 200  # distance of the reported bounds of an axle's speed from it

@@ -7,7 +7,7 @@ from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.axle_counter.configurations import CONFIGURATIONS
 from safeloc.models.axle_counter.simulate import simulate
 from safeloc.properties import axle_counter as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: AxleCounterConfig) -> Target:
@@ -27,5 +27,15 @@ ENTRIES = (
         place=50,
         configurations=CONFIGURATIONS,
         no_interval="It reports a train's record: axles, length, speed.",
+        hazard=Hazard(
+            "an undisturbed record of a train is false",
+            (
+                "count is true",
+                "direction is true",
+                "length is true",
+                "speed is true",
+                "place is true",
+            ),
+        ),
     ),
 )

@@ -13,7 +13,7 @@ from random import Random
 
 from safeloc.language.units import UM_PER_MM, US_PER_S
 from safeloc.models.axle_head import AxleHeadConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 _CLEARANCE_MM = 40  # a run begins and ends with both channels free

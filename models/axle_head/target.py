@@ -6,7 +6,7 @@ from safeloc.models import axle_head
 from safeloc.models.axle_head import AxleHeadConfig
 from safeloc.models.axle_head.simulate import simulate
 from safeloc.properties import axle_head as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: AxleHeadConfig) -> Target:
@@ -25,5 +25,9 @@ ENTRIES = (
         Family.FIBRE,
         place=40,
         no_interval="It reports axles and directions.",
+        hazard=Hazard(
+            "an axle is lost, or counted twice, or in the wrong direction, without a disturbance",
+            ("every axle is counted",),
+        ),
     ),
 )

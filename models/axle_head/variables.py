@@ -62,5 +62,5 @@ class Parts:
 
 
 def parts(config: AxleHeadConfig) -> Parts:
-    """Fresh variables for one head."""
+    """Return fresh variables for one head."""
     return Parts(config)

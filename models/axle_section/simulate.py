@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from random import Random
 
 from safeloc.models.axle_section import AxleSectionConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 SIDES = ("low", "high")

@@ -6,7 +6,7 @@ from safeloc.models import axle_section
 from safeloc.models.axle_section import AxleSectionConfig
 from safeloc.models.axle_section.simulate import simulate
 from safeloc.properties import axle_section as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: AxleSectionConfig) -> Target:
@@ -25,5 +25,6 @@ ENTRIES = (
         Family.FIBRE,
         place=60,
         no_interval="It reports whether a section is clear.",
+        hazard=Hazard("a section is reported clear with an axle in it", ("clear is clear",)),
     ),
 )

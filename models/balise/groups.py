@@ -36,7 +36,7 @@ class Group:
 
 
 def announcement(group: Group, *, order: Literal["ADD", "REPLACE"] = "ADD") -> dict[str, Cell]:
-    """The inputs that announce a group."""
+    """Return the inputs that announce a group."""
     inputs: dict[str, Cell] = {
         "linking_order": order,
         "linking_group": group.identity,
@@ -71,7 +71,7 @@ def telegram(group: Group, *, age_ms: int = 0, since_mm: int | None = None, plac
 def groups_along(
     route: Route, inventory: Inventory | None = None, *, reaction: Reaction = "SERVICE_BRAKE"
 ) -> list[Group]:
-    """The groups that a vehicle meets on a route of the line, in order, with one linking reaction for all.
+    """Return the groups that a vehicle meets on a route of the line, in order, with one linking reaction for all.
 
     A group's identity is made of country and group number (NID_C, NID_BG); places count from the route's start.
     """

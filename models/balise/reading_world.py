@@ -1,4 +1,4 @@
-"""What is physically so of a group reading and of the direction of running, for the worlds of all machines that read groups.
+"""The physics of a group reading and of the direction of running, for the worlds of all machines that read groups.
 
 Figures and terms are the world's own: nothing here is what a machine computes.
 """

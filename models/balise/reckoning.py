@@ -8,7 +8,7 @@ from safeloc.models.layout_rules import LayoutConfig, odometry_error_nm
 
 
 def layout(config: BaliseConfig) -> LayoutConfig:
-    """The audit's figures for this vehicle."""
+    """Return the audit's figures for this vehicle."""
     return LayoutConfig(
         tolerance_mm=config.tolerance_mm,
         odometry_constant_mm=config.odometer.constant_mm,
@@ -20,7 +20,7 @@ def layout(config: BaliseConfig) -> LayoutConfig:
 
 
 def reckoned_nm(config: BaliseConfig, run_mm: Num, accuracy_mm: Num) -> Num:
-    """The audit's odometry error after a measured distance since a group of that location accuracy, nm."""
+    """Return the audit's odometry error, nm, after a measured distance since a group of that location accuracy."""
     return odometry_error_nm(run_mm, accuracy_mm + config.detection_mm, layout(config))
 
 

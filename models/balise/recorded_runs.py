@@ -48,7 +48,7 @@ RUNS: Mapping[str, Run] = {
 
 
 def recorded(run: Run) -> Steps:
-    """The steps of a run."""
+    """Return the steps of a run."""
     config = BaliseConfig()
     if not run.spacing_mm:
         return simulate(config, seed=run.seed, seconds=run.seconds)

@@ -32,7 +32,7 @@ from safeloc.models.balise.linking import (
 from safeloc.models.balise.telegram import Reader, telegram
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import Limits
+from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
 from safeloc.models.vocabulary.odometer import Heading, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
@@ -137,8 +137,8 @@ class BaliseConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
-        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap = self.gap_limit_cycles
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False

@@ -75,7 +75,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         "the age bounds the run since the reading": age_law(
             own.read,
             own.world.true_since,
-            (can_be_run(own), own.odometer.step.value),
+            (can_be_run(own), own.odometer.measured.value),
             period_ms=own.config.period_ms,
             max_speed_mm_s=own.config.max_speed_mm_s,
             measuring_step_mm=own.config.measuring_step_mm,
@@ -105,16 +105,18 @@ def physics(config: BaliseConfig) -> Physics:
 def measuring(own: Parts) -> Measuring:
     """Return the world's view of the odometer, where the machine reads it directly."""
     return Measuring(
-        own.odometer.law, own.odometer.step, own.world.last_delivered, own.world.silent, physics(own.config)
+        own.odometer.law, own.odometer.measured, own.world.last_delivered, own.world.silent, physics(own.config)
     )
 
 
 def can_be_run(own: Parts) -> Bool:
-    """A distance was delivered, and a vehicle can have run it; of one that comes judged, only its size is asked."""
+    """Return whether a distance was delivered that a vehicle can have run; of one that another machine checked, only the
+    size counts.
+    """
     if not own.config.checked_distance:
         return measuring(own).can_be_run
     most = physics(own.config).farthest_mm
-    return own.odometer.step.present & between(-most, own.odometer.step.value, most)
+    return own.odometer.measured.present & between(-most, own.odometer.measured.value, most)
 
 
 def wander_after(own: Parts) -> Num:
@@ -129,7 +131,7 @@ def _further_error(own: Parts) -> Num:
 
 def _odometer_law(own: Parts) -> Law:
     seen, counts, config = own.world, can_be_run(own), own.config
-    counted = ite(counts, exact_to(own.odometer.step.value, NM), as_num(0, NM))
+    counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
     error = seen.true_step - counted - (wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
     most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
@@ -148,7 +150,7 @@ def _odometer_law(own: Parts) -> Law:
 def _lawful_thousandths(own: Parts) -> Num:
     """Return the error law's bound for a cycle, thousandths of a nm: the floor, and the rate times the distance above the knee."""
     law, period = own.config.odometer, own.config.period_ms
-    measured, knee = own.odometer.step.value * THOUSAND, law.knee_mm_s * period
+    measured, knee = own.odometer.measured.value * THOUSAND, law.knee_mm_s * period
     above = maximum(maximum(measured - knee, -measured - knee), 0)
     return with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period * THOUSAND**2
 
@@ -167,7 +169,7 @@ def _line_law(own: Parts) -> Law:
 
 def _rolling(own: Parts) -> dict[Var, Expr]:
     seen = own.world
-    ran = ite(can_be_run(own), own.odometer.step.value, as_num(0, MM))
+    ran = ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
     rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
     return {seen.rolled: rolled, seen.backwards: backwards}
 
@@ -207,7 +209,7 @@ def _antenna_law(own: Parts) -> Law:
 
 
 def national(own: Parts) -> Num:
-    """The location accuracy in force where linking gives none, mm."""
+    """Return the location accuracy in force if linking gives none, mm."""
     received = own.national.received
     return ite(~received.present, own.world.national, received.value)
 
@@ -335,5 +337,5 @@ def _fine_enough(own: Parts) -> Bool:
 
 
 def is_doubted(own: Parts, group: Num) -> Bool:
-    """The group is the one that was false."""
+    """Return whether the group is the one that was false."""
     return FALSE if own.config.trust_first_group else own.world.doubted.ne(0) & own.world.doubted.eq(group)

@@ -19,7 +19,7 @@ from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models import axle_counter
 from safeloc.models.axle_counter import simulate as counting
 from safeloc.models.counted_entry.configuration import CountedEntryConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 _OVERHANG_MM = 3_000

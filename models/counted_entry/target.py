@@ -12,7 +12,7 @@ from safeloc.properties import axle_counter as counter_claims
 from safeloc.properties import counted_entry as claims
 from safeloc.properties import verification as verification_claims
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
     "Axle counter and verification in one step: a train that the counter has counted, and whose fibre position is verified by that "
@@ -47,5 +47,14 @@ ENTRIES = (
         place=55,
         members=("axle_counter", "train", "verification_doubted"),
         no_interval="Its position may miss the true one as far as `place_doubt_mm`, since nothing is assumed of the fibre.",
+        hazard=Hazard(
+            "a position is farther from the true one than the reported doubt, or is given for a train that was counted otherwise",
+            (
+                "verification_doubted: the reported doubt holds",
+                "verification_doubted: a wrong count withholds",
+                "verification_doubted: a wrong length withholds",
+                "no position without an undisturbed record",
+            ),
+        ),
     ),
 )

@@ -35,7 +35,9 @@ NAME = "train"
 
 @dataclass(frozen=True, eq=False)
 class Counted:
-    """What passed the head, by the counter's world: axles, length and run of the foremost axle, counted upwards, and speed."""
+    """The train that passed the head, by the counter's world: axles, length and run of the foremost axle, counted
+    upwards, and speed.
+    """
 
     axles: NumVar
     length: NumVar

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from random import Random
 
 from safeloc.models.emitter import EmitterConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 _OTHER_BITS = 0b1010

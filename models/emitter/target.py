@@ -7,7 +7,7 @@ from safeloc.models.emitter import EmitterConfig
 from safeloc.models.emitter.configurations import CONFIGURATIONS
 from safeloc.models.emitter.simulate import simulate
 from safeloc.properties import emitter as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: EmitterConfig) -> Target:
@@ -27,6 +27,14 @@ ENTRIES = (
         place=80,
         configurations=CONFIGURATIONS,
         no_interval="It tells whether the fibre passed its function check.",
+        hazard=Hazard(
+            "a chain that does not work passes its function check",
+            (
+                "a dead chain is reported",
+                "silence is reported",
+                "a pattern that passes came through the chain",
+            ),
+        ),
         silent=("emitter",),
     ),
 )

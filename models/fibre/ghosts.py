@@ -14,7 +14,7 @@ from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 class Ghosts:
     """The world's variables.
 
-    truth, step    true position of the end, and its true run in the cycle, nm
+    truth, true_run   true position of the end, and its true run in the cycle, nm
     edge, spot     edge of the section that the end passed last; freely chosen: the edge that it sees in this cycle, nm
     count          true number of sections below the end; next_count: freely chosen, after the cycle
     real           the section being passed is one of the line, not a false change; next_real: freely chosen
@@ -28,7 +28,7 @@ class Ghosts:
     """
 
     truth: NumVar
-    step: NumVar
+    true_run: NumVar
     edge: NumVar
     spot: NumVar
     count: NumVar
@@ -56,7 +56,7 @@ def ghosts(
     unheard, wrong = tolerance_mm * NM_PER_MM, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM
     return Ghosts(
         truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
-        step=declared.choice(number("true_run_nm", NM, -step, step)),
+        true_run=declared.choice(number("true_run_nm", NM, -step, step)),
         edge=declared.ghost(number("true_edge_nm", NM, -line, line), first=ANY),
         spot=declared.choice(number("next_true_edge_nm", NM, -line, line)),
         count=declared.ghost(number("true_count", COUNT, -2 * sections, 2 * sections), first=ANY),

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from safeloc.models.fibre.code import Symbol
 from safeloc.models.fibre.simulate import Drive, Section, simulate, steady
 from safeloc.models.fibre.variables import FibreConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 
 
 def _endless(config: FibreConfig) -> Steps:

@@ -95,7 +95,7 @@ class Passing:
     @cached_property
     def after(self) -> Num:
         """True position of the end after the cycle, nm."""
-        return self.own.ghosts.truth + self.own.ghosts.step
+        return self.own.ghosts.truth + self.own.ghosts.true_run
 
     # -------------------------------------------------------------- the amplitude
 
@@ -245,7 +245,7 @@ def _laws(own: Parts, now: Passing) -> dict[str, Bool | Law]:
 
 
 def _run_law(own: Parts, now: Passing) -> Law:
-    off = own.ghosts.step - exact_to(now.run, NM)
+    off = own.ghosts.true_run - exact_to(now.run, NM)
     return Law(
         (off <= now.error_nm) & (-off <= now.error_nm),
         "The measured run of a cycle is wrong by no more than its rate and a floor. A measured run of zero means that the end "

@@ -8,7 +8,7 @@ from safeloc.models.fibre_area import FibreAreaConfig
 from safeloc.models.fibre_area.configurations import CONFIGURATIONS
 from safeloc.properties import fibre_area as claims
 from safeloc.reported import Reported
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
     "A train in a line area, from backscatter to virtual sections in one step: both ends' fibre machines, the test "
@@ -44,5 +44,12 @@ ENTRIES = (
         place=90,
         members=("front", "rear", "emitter", "entry", "verification", "report", "area", "section_1"),
         configurations=CONFIGURATIONS,
+        hazard=Hazard(
+            "a section is reported clear with a vehicle in it",
+            (
+                "section_* is never clear with a train in it",
+                "section_* is never clear with a vehicle that was not counted",
+            ),
+        ),
     ),
 )

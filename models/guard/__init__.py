@@ -204,7 +204,7 @@ def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
 
 
 def stored(own: Parts, now: Held) -> Updates:
-    """The box and its anchor are those."""
+    """Return whether the box and its anchor are those."""
     box, anchor = now.box, now.anchor
     return {
         own.low: box.low, own.high: box.high, own.slow: box.slow, own.fast: box.fast,

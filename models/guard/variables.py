@@ -181,7 +181,7 @@ class Parts:
 
 
 def parts(config: GuardConfig, *, truth: NumVar | None = None) -> Parts:
-    """Fresh variables for one machine; `truth`: the true place, where another machine's world moves the vehicle."""
+    """Return fresh variables for one machine; `truth`: the true place, if another machine's world moves the vehicle."""
     return Parts(config, truth)
 
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from safeloc.models.delocalized.reported import interval_of_the_host
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.railway.pictures import NamedInterval, Refusals, Sources, Things
 from safeloc.reported import Reported
 
-PASSED_ON = Reported(
-    position="delocalized.position_mm", below="delocalized.margin_below_mm", above="delocalized.margin_above_mm",
-    valid="delocalized.restrictive", valid_is=False,
-)  # fmt: skip
+PASSED_ON = interval_of_the_host()
 _ODOMETERS = ("front_wheel", "front_radar", "rear_wheel", "rear_radar")
 
 

@@ -49,24 +49,26 @@ class Piece:
     models: tuple[object, ...] = ()
 
 
-def _same_distance(step: Optional, measured: Optional) -> dict[Var, Expr]:
+def _same_distance(wanted: Optional, measured: Optional) -> dict[Var, Expr]:
     """Return the wires of an odometer input to a unit of the vehicle."""
-    return {step.value: measured.value, step.present: measured.present}
+    return {wanted.value: measured.value, wanted.present: measured.present}
 
 
-def _distance_of_motion(step: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
+def _distance_of_motion(wanted: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
     """Return the wires of an odometer input to the distance that `motion` reports."""
     if moves.own.check is None or more is None:
-        return _same_distance(step, moves.own.odometer.step)
+        return _same_distance(wanted, moves.own.odometer.measured)
     says = moves.machine
-    return {step.value: says.output("distance_mm"), step.present: moves.reported, more: says.output("more_nm")}
+    return {wanted.value: says.output("distance_mm"), wanted.present: moves.reported, more: says.output("more_nm")}
 
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     moved = Movement(moves.own.ghosts.truth, moves.own.ghosts.true_step)
     own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=moved)
     model = odometry.build(own)
-    wires = [_same_distance(unit.step, measured) for unit, measured in zip(own.units, moves.own.inputs, strict=False)]
+    wires = [
+        _same_distance(unit.measured, measured) for unit, measured in zip(own.units, moves.own.inputs, strict=False)
+    ]
     wired = {var: term for one in wires for var, term in one.items()}
     return Piece((model.machine,), wired, plainly(model.machine), models=(model,))
 
@@ -78,7 +80,7 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
         moved = replace(moved, wander=seen.units.reported, next_wander=seen.units.next_reported)
     own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
-    wires = _distance_of_motion(own.odometer.step, own.odometer.more, moves)
+    wires = _distance_of_motion(own.odometer.measured, own.odometer.more, moves)
     discharged = _law_of_motion(Clause(model.machine, balise.ODOMETER), moves)
     return Piece((model.machine,), wires, plainly(model.machine), discharged, (model,))
 
@@ -116,7 +118,7 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
-    wires = _distance_of_motion(own.odometer.step, own.odometer.more, moves)
+    wires = _distance_of_motion(own.odometer.measured, own.odometer.more, moves)
     return Piece((machine,), wires, stated, _law_of_motion(Clause(machine, reflector.ODOMETER), moves), (model,))
 
 

@@ -116,7 +116,7 @@ class _Behind:
         self.sections = tuple(section(config.sections, name) for name in names)
 
     def more(self) -> More:
-        """Machines and wires that the composition adds."""
+        """Return the machines and wires that the composition adds."""
         machines = (self.ends.machine, self.far_uplink.machine, self.trackside.machine, self.area.machine)
         return More(
             (*machines, *(one.machine for one in self.sections)),

@@ -8,7 +8,7 @@ from safeloc.models.localizer.target import SECTIONS, properties_of_machines
 from safeloc.models.localizer_sections import NAME, LocalizerSectionsConfig
 from safeloc.models.localizer_sections.configurations import CONFIGURATIONS
 from safeloc.properties import localizer_sections as claims
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
     "A vehicle that locates itself, and the virtual sections that it runs through, in one step. The vehicle sends its "
@@ -58,5 +58,13 @@ ENTRIES = (
             "section_1",
         ),
         configurations=CONFIGURATIONS,
+        hazard=Hazard(
+            "a section is reported clear with a vehicle in it",
+            (
+                "section_* is never clear with a train in it",
+                "section_* is never clear with a vehicle that was not counted",
+                "section_* is never clear with this train in it",
+            ),
+        ),
     ),
 )

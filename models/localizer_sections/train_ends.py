@@ -105,7 +105,7 @@ class TrainEnds:
 
 
 def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
-    """Fresh variables; the train's ghosts are those of its slot in the area."""
+    """Return fresh variables; the train's ghosts are those of its slot in the area."""
     return Parts(config, world, train)
 
 

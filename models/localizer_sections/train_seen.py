@@ -123,7 +123,7 @@ def end_inputs(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> EndIn
 
 
 def parts(limit_mm: int, period_ms: int, oldest_ms: int, front: EndInputs, far: EndInputs) -> Parts:
-    """Fresh variables; places up to `limit_mm`, reports up to `oldest_ms`."""
+    """Return fresh variables; places up to `limit_mm`, reports up to `oldest_ms`."""
     return Parts(
         limit_mm,
         period_ms,

@@ -18,7 +18,8 @@ from safeloc.models.guard.variables import FAULT
 from safeloc.models.marker_device import NAME
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.odometry import simulate as odometry_streams
-from safeloc.runtime.streams.steps import Cell, write_steps
+from safeloc.proof.drawn_runs.worked import WorkedRun, write_runs
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 
@@ -171,16 +172,15 @@ def _speeds_um_s(motion: Motion) -> NDArray[np.int64]:
     return np.asarray((motion.step_nm + after) // (2 * motion.period_ms), dtype=np.int64)
 
 
+def _worked(scene: Scene) -> WorkedRun[MarkerDeviceConfig]:
+    return WorkedRun(scene.says, lambda config: simulate(config, scene, seed=SEED), first_state(MarkerDeviceConfig()))
+
+
 def write(folder: Path = FOLDER) -> list[Path]:
     """Write all recordings, each with its first state; return their paths."""
-    config, paths = MarkerDeviceConfig(), list[Path]()
-    for name, scene in SCENES.items():
-        paths.append(folder / f"{NAME}-{name}.jsonl.gz")
-        steps = simulate(config, scene, seed=SEED)
-        write_steps(paths[-1], steps, machine=NAME, first=first_state(config), short=True)
-    return paths
+    runs = {f"{NAME}-{name}": _worked(scene) for name, scene in SCENES.items()}
+    return write_runs(folder, runs, MarkerDeviceConfig(), short=True)
 
 
 if __name__ == "__main__":
-    for path in write():
-        print(path)
+    print(*write(), sep="\n")

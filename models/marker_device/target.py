@@ -7,6 +7,7 @@ from functools import partial
 
 from safeloc.language.spec import Property
 from safeloc.models import marker_device
+from safeloc.models.delocalized.reported import interval_of_the_host
 from safeloc.models.marker_device import NAME, MarkerDevice, restrictive_config
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.marker_device.configurations import CONFIGURATIONS
@@ -15,7 +16,6 @@ from safeloc.properties import guard as guard_claims
 from safeloc.properties import marker_device as claims
 from safeloc.properties import odometry as odometry_claims
 from safeloc.properties.odometry import faults
-from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Target, recorded
 
@@ -23,14 +23,7 @@ DOC = (
     "Readers at both ends, odometers, and a receiver whose guard's positions stand in for markers, with the restrictive state "
     "behind them, in one step: what the host of a vehicle sees."
 )
-REPORTED = Reported(
-    position="delocalized.position_mm",
-    below="delocalized.margin_below_mm",
-    above="delocalized.margin_above_mm",
-    valid="delocalized.restrictive",
-    valid_is=False,
-    truth="truth_nm",
-)
+REPORTED = interval_of_the_host(truth="truth_nm")
 
 
 def target(config: MarkerDeviceConfig) -> Target:

@@ -44,7 +44,7 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
     assert seen is not None
     found = {_DEFINED: seen.reported.eq(seen.wander + _not_yet_added(seen, check.apart))}
     for unit, ghosts in ((check.odometer, seen.odometer), (check.unit, seen.check)):
-        found[f"machine and world agree on the last distance of {unit.step.value.name}"] = unit.gap.eq(
+        found[f"machine and world agree on the last distance of {unit.measured.value.name}"] = unit.gap.eq(
             ghosts.silent
         ) & unit.last.eq(ghosts.last_delivered)
     return found

@@ -85,12 +85,14 @@ class UnitCheck:
         if self.creep_nm is None:
             return FALSE
         still = self.unit.law.floor_mm_s * self.unit.limits.period_ms // 1_000
-        return all_of([self.checked, self.odometer.step.value.eq(0), between(-still, self.unit.step.value, still)])
+        return all_of(
+            [self.checked, self.odometer.measured.value.eq(0), between(-still, self.unit.measured.value, still)]
+        )
 
     @cached_property
     def difference(self) -> Num:
         """Distance of the check unit less that of the odometer in the cycle, nm; only where both measured."""
-        return exact_to(self.unit.step.value - self.odometer.step.value, NM)
+        return exact_to(self.unit.measured.value - self.odometer.measured.value, NM)
 
     @property
     def disagree(self) -> Bool:
@@ -142,7 +144,7 @@ class UnitCheck:
     @cached_property
     def distance(self) -> Num:
         """The reported distance, mm; 0 where there is none."""
-        return ite(self.checked, self.odometer.step.value + self.shift, as_num(0, MM))
+        return ite(self.checked, self.odometer.measured.value + self.shift, as_num(0, MM))
 
     @cached_property
     def beyond(self) -> Num:
@@ -155,7 +157,7 @@ class UnitCheck:
 
     def _alone(self, one: Odometer) -> Num:
         """Error beyond the highest speed, nm, if this unit's unchecked distance and its law imply a farther run."""
-        bound = exact_to(abs_(one.step.value), NM) + one.most_error
+        bound = exact_to(abs_(one.measured.value), NM) + one.most_error
         return ite(one.admitted, maximum(bound - one.limits.blind_nm, 0), as_num(0, NM))
 
     @property

@@ -135,9 +135,9 @@ class Surroundings:
         of_odometer, of_check = seen.odometer, seen.check
         return (
             Measuring(
-                self.odometer.law, self.odometer.step, of_odometer.last_delivered, of_odometer.silent, self.physics
+                self.odometer.law, self.odometer.measured, of_odometer.last_delivered, of_odometer.silent, self.physics
             ),
-            Measuring(self.check.law, self.check.step, of_check.last_delivered, of_check.silent, self.physics),
+            Measuring(self.check.law, self.check.measured, of_check.last_delivered, of_check.silent, self.physics),
         )
 
     @property
@@ -163,7 +163,9 @@ def world(declared: Declared, own: Surroundings) -> World:
 
 
 def initially(own: Surroundings) -> Bool:
-    """From the start the lawful unit's one-off error is within its constant, and the reported distance has the same one-off error."""
+    """Return the condition of the first state: the lawful unit's one-off error is within its constant, and the reported
+    distance has the same one-off error.
+    """
     seen = own.ghosts.units
     if seen is None:
         return as_num(0, NM).eq(0)
@@ -214,7 +216,7 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str) -> Law:
-    error = own.ghosts.true_step - exact_to(unit.step.value, NM) - (seen.next_wander - seen.wander)
+    error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
     return Law(
@@ -232,8 +234,8 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
 def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
     odometer, check = own.units
     floor = check.law.floor_mm_s * own.physics.period_ms // THOUSAND
-    nothing = all_of([odometer.can_be_run, check.can_be_run, odometer.step.value.eq(0)])
-    still = nothing & (check.step.value <= floor) & (check.step.value >= -floor)
+    nothing = all_of([odometer.can_be_run, check.can_be_run, odometer.measured.value.eq(0)])
+    still = nothing & (check.measured.value <= floor) & (check.measured.value >= -floor)
     creep = creep_mm_s * own.physics.period_ms * (NM_PER_MM // THOUSAND)
     stands = between(-creep, own.ghosts.true_step, creep) & seen.next_wander.eq(seen.wander)
     return Law(

@@ -203,7 +203,7 @@ def _measured(moved: Cycle) -> Updates:
     updates: dict[Var, Expr] = {}
     for unit, admitted in zip(moved.device.units, moved.admitted, strict=True):
         longer = minimum(unit.gap + 1, unit.limits.lone_limit + 1)
-        updates[unit.last] = ite(admitted, unit.step.value, unit.last)
+        updates[unit.last] = ite(admitted, unit.measured.value, unit.last)
         updates[unit.gap] = ite(admitted, as_num(0, COUNT), longer)
         updates[unit.last_verdict] = unit.verdict()
     return updates

@@ -68,7 +68,7 @@ NOTHING = Values(as_num(0, MM), as_num(0, NM), as_num(0, NM), alive=as_num(1, MM
 class Unit:
     """One measuring unit of a device.
 
-    step          input: the distance measured in the cycle
+    measured      input: the distance measured in the cycle
     alive, position, above, below   state: its values
     last, gap     state: the last admitted distance, and the cycles without one since then
     last_verdict  state: the verdict on the cycle's distance
@@ -76,7 +76,7 @@ class Unit:
 
     name: str
     law: ErrorLaw
-    step: Optional
+    measured: Optional
     alive: BoolVar
     position: NumVar
     above: NumVar
@@ -100,9 +100,9 @@ class Unit:
         """Return the verdict on the cycle's distance: admitted, or why not. Its limits are configured, never measured."""
         known = self.gap <= self.limits.gap_limit
         allowed = (self.gap + 1) * self.limits.max_step_change_mm
-        jump = known & (abs_(self.step.value - self.last) > _as_mm(allowed))
-        too_fast = abs_(self.step.value) > self.limits.max_step_mm
-        return ite(~self.step.present, MISSING, ite(too_fast, TOO_FAST, ite(jump, JUMP, ADMITTED)))
+        jump = known & (abs_(self.measured.value - self.last) > _as_mm(allowed))
+        too_fast = abs_(self.measured.value) > self.limits.max_step_mm
+        return ite(~self.measured.present, MISSING, ite(too_fast, TOO_FAST, ite(jump, JUMP, ADMITTED)))
 
 
 def _as_mm(count_of_mm: Num) -> Num:
@@ -174,7 +174,7 @@ def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
     return Unit(
         name,
         law,
-        step=declared.sensor(optional(f"{name}_mm", MM, -reach, reach)),
+        measured=declared.sensor(optional(f"{name}_mm", MM, -reach, reach)),
         alive=declared.state(boolean(f"{name}_alive"), first=False),
         position=declared.state(number(f"{name}_position_mm", MM, -farthest, farthest), first=0),
         above=declared.state(number(f"{name}_margin_above_nm", NM, 0, limits.tolerance_nm), first=0),
@@ -212,7 +212,7 @@ class Cycle:
     def movement(self) -> Num:
         """The signed distance of the cycle: the first unit's, else the second's, else 0."""
         first, second = self.device.units
-        return ite(self.admitted[0], first.step.value, ite(self.admitted[1], second.step.value, as_num(0, MM)))
+        return ite(self.admitted[0], first.measured.value, ite(self.admitted[1], second.measured.value, as_num(0, MM)))
 
     def farthest(self, share_ppm: int) -> tuple[Num, Num]:
         """Return how far the vehicle may have run forwards, and backwards, in this share of the cycle, nm.
@@ -221,7 +221,7 @@ class Cycle:
         unknown before a reading sets it, it is the distance at the highest speed.
         """
         units, share = self.device.units, Lit(share_ppm, PPM)
-        steps = [ite(ok, unit.step.value, 0) for ok, unit in zip(self.admitted, units, strict=True)]
+        steps = [ite(ok, unit.measured.value, 0) for ok, unit in zip(self.admitted, units, strict=True)]
         wrong = maximum(
             *(unit.law.portion(share_ppm).growth_nm(self.reach, self.age, unit.limits.period_ms) for unit in units)
         )
@@ -241,7 +241,7 @@ def cycle(device: Device) -> Cycle:
     """Make the terms of one cycle of a device."""
     limits = device.limits
     admitted = tuple(unit.verdict().eq(ADMITTED) for unit in device.units)
-    steps = [ite(ok, unit.step.value, 0) for ok, unit in zip(admitted, device.units, strict=True)]
+    steps = [ite(ok, unit.measured.value, 0) for ok, unit in zip(admitted, device.units, strict=True)]
     reach = maximum(abs_(steps[0]), abs_(steps[1]))
     age = device.age + limits.period_ms
     run = device.run + reach
@@ -284,7 +284,7 @@ def _prolonged(own: Unit, other: Unit, admitted: tuple[Bool, Bool], reach: Num, 
         _nothing_delivered(limits, admitted, reach, (growth, checking)),
     )
     added_error = ite(delivered[0], alone, ite(delivered[1], bridged, nothing_delivered))
-    moved = own.position + ite(delivered[0], own.step.value, ite(delivered[1], other.step.value, as_num(0, MM)))
+    moved = own.position + ite(delivered[0], own.measured.value, ite(delivered[1], other.measured.value, as_num(0, MM)))
     above, below = own.above + added_error, own.below + added_error
     tolerable = maximum(above, below) <= limits.tolerance_nm
     on_line = between(-limits.position_limit_mm, moved, limits.position_limit_mm)
@@ -312,7 +312,7 @@ def _nothing_delivered(limits: Limits, admitted: tuple[Bool, Bool], reach: Num, 
 
 def _checked(own: Unit, other: Unit, growth: Num, checking: Num) -> Num:
     """Error added in a cycle in which both units measured, nm: by the own law, or by the other unit's distance and law."""
-    apart = exact_to(abs_(own.step.value - other.step.value), NM)
+    apart = exact_to(abs_(own.measured.value - other.measured.value), NM)
     covered = maximum(growth, checking + apart)
     if own.limits.single_fault_safe:
         return covered

@@ -123,7 +123,7 @@ def _of_reader(declared: Declared, bounds: Bounds, name: str) -> ReaderGhosts:
 
 
 def _of_unit(declared: Declared, bounds: Bounds, unit: Unit) -> UnitGhosts:
-    most, name, step = unit.law.constant_mm * NM_PER_MM // 2, unit.name, unit.step.value
+    most, name, step = unit.law.constant_mm * NM_PER_MM // 2, unit.name, unit.measured.value
     wander = declared.ghost(number(f"{name}_wander_nm", NM, -most, most), first=ANY)
     next_wander = declared.choice(number(f"{name}_next_wander_nm", NM, -most, most))
     last_delivered = declared.ghost(number(f"{name}_heard_mm", MM, step.low, step.high), first=0)

@@ -30,7 +30,7 @@ WIDEST_MM = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class SatelliteReader:
-    """What gives the positions of satellites.
+    """The device that gives positions of satellites.
 
     place, below, above   inputs: place of end A at the end of the cycle; how far its true place may lie below it, and above
     verdict               state: the verdict on the cycle's position

@@ -15,7 +15,7 @@ from safeloc.models.odometry.ghosts import Bounds, Ghosts, Movement, movement
 from safeloc.models.odometry.marker_reading import Reader, pending, reader
 from safeloc.models.odometry.satellite_reading import SatelliteReader, satellite_reader
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import Limits
+from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
 
@@ -80,8 +80,8 @@ class OdometryConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the devices, rounded so that the checks are no tighter than physics."""
-        step = -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
-        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, self.gap_limit_cycles,
             self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm, self.single_fault_safe,

@@ -91,7 +91,7 @@ def measuring(own: Parts, index: int) -> Measuring:
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
         config.gap_limit_cycles, config.lone_limit_cycles + 1,
     )  # fmt: skip
-    return Measuring(unit.law, unit.step, seen.last_delivered, seen.silent, physics)
+    return Measuring(unit.law, unit.measured, seen.last_delivered, seen.silent, physics)
 
 
 def _unset(own: Parts, index: int, unset: Num) -> Num:
@@ -106,7 +106,7 @@ def _unset(own: Parts, index: int, unset: Num) -> Num:
 
 def _unit_law(own: Parts, index: int) -> Law:
     unit, seen, delivers = own.units[index], own.ghosts.units[index], measuring(own, index)
-    error = own.ghosts.true_step - exact_to(unit.step.value, NM) - (seen.next_wander - seen.wander)
+    error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
     kept = delivers.allows(error, None if seen.unset is None else seen.unset + own.config.period_ms)
     return Law(
         (delivers.can_be_run & lawful(own, unit)).implies(kept),
@@ -137,7 +137,7 @@ def lawful(own: Parts, unit: Unit) -> Bool:
 
 
 def _never_alone(own: Parts) -> dict[str, Law]:
-    """Where a lone distance is used, assume that the distance of a faulty unit never comes alone."""
+    """Assume, if a lone distance is used, that the distance of a faulty unit never comes alone."""
     if own.ghosts.faulty is None or own.config.single_fault_safe:
         return {}
     pairs = [(2 * number, 2 * number + 1) for number in range(len(own.devices))]
@@ -265,7 +265,9 @@ def _since_stray(own: Parts) -> Num:
 
 
 def _satellite_law(own: Parts) -> dict[str, Law]:
-    """Where positions of satellites serve as markers, they hold; what checks the receiver has to prove it."""
+    """Assume that positions of satellites that serve as markers are right; the machine that checks the receiver has to
+    prove it.
+    """
     given = own.satellites
     if given is None:
         return {}

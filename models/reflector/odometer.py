@@ -41,6 +41,6 @@ class ReflectorOdometer(MeasuredDistance):
         """Return the farthest that the vehicle may have run (forwards, backwards) in the last share of the cycle, nm."""
         blind = as_num(-(-self.limits.blind_nm * share_ppm // NM_PER_MM), NM)
         share, more = Lit(share_ppm, PPM), as_num(0, NM) if self.more is None else self.more
-        forward = maximum(self.step.value, 0) * share + more
-        backward = maximum(-self.step.value, 0) * share + more
+        forward = maximum(self.measured.value, 0) * share + more
+        backward = maximum(-self.measured.value, 0) * share + more
         return ite(self.admitted, forward, blind), ite(self.admitted, backward, blind)

@@ -1,4 +1,4 @@
-"""What is known of the errors of a range sensor: the sources of the laws on its ranges, of each kind of sensor its own."""
+"""Sources for the errors of a range sensor: each kind of sensor has its own for the laws on its ranges."""
 
 from __future__ import annotations
 

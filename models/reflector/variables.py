@@ -18,6 +18,7 @@ from safeloc.models.reflector.odometer import ReflectorOdometer
 from safeloc.models.reflector.ranging import RADAR, Ranging
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
+from safeloc.models.vocabulary.measured import max_step_mm
 from safeloc.models.vocabulary.odometer import most_further_error_nm
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM
 
@@ -135,7 +136,7 @@ class ReflectorConfig(Config):
     @property
     def max_step_mm(self) -> int:
         """The greatest distance that is measured in a cycle, mm."""
-        return -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
+        return max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
 
     @property
     def blind_nm(self) -> int:

@@ -118,7 +118,7 @@ def farthest_mm(config: ReflectorConfig) -> int:
 def can_be_run(own: Parts) -> Bool:
     """Return whether the odometer delivered a distance that a vehicle can have run."""
     most = farthest_mm(own.config)
-    return own.odometer.step.present & between(-most, own.odometer.step.value, most)
+    return own.odometer.measured.present & between(-most, own.odometer.measured.value, most)
 
 
 def _wander_after(own: Parts) -> Num:
@@ -138,9 +138,9 @@ def _run_blind_nm(config: ReflectorConfig) -> int:
 
 def _odometer_law(own: Parts) -> Law:
     seen, config = own.ghosts, own.config
-    counted = ite(can_be_run(own), exact_to(own.odometer.step.value, NM), as_num(0, NM))
+    counted = ite(can_be_run(own), exact_to(own.odometer.measured.value, NM), as_num(0, NM))
     error = seen.true_step - (_wander_after(own) - seen.wander) - counted
-    lawful = _allowed(config.odometer, own.odometer.step.value, config.period_ms)
+    lawful = _allowed(config.odometer, own.odometer.measured.value, config.period_ms)
     most = _further_error(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
     return Law(
         (error <= most) & (-error <= most),
@@ -163,7 +163,7 @@ def _allowed(law: ErrorLaw, step: Num, period_ms: int) -> Num:
 
 def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
     """Return the most that the vehicle ran (forwards, backwards) in the last `latency_ms` of the cycle, nm."""
-    config, step = own.config, own.odometer.step.value
+    config, step = own.config, own.odometer.measured.value
     share = -(-latency_ms * PPM_PER_ONE // config.period_ms)
     blind = as_num(-(-_run_blind_nm(config) * share // PPM_PER_ONE), NM)
 

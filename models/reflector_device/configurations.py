@@ -18,8 +18,8 @@ NEVER = {
     "models/motion/world.py: as_num(0, NM).eq(0) from initially(own.around)": "true, where no unit is checked",
     "models/motion/world.py: between(-farthest, seen.true_step, farthest) from _vehicle_laws(own)": "the choice has this "
     "range; the clause names it for the register of assumptions",
-    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.step."
-    "value), as_num(0, MS), sel ...": _DRIFT,
+    "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.mea"
+    "sured.value), as_num(0, MS), ...": _DRIFT,
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.odometer.law.growth_nm(abs_("
     "self.distance), as_num(0, M ...": _DRIFT,
     "properties/reflector_device.py: _in_source_num(whole, given.since.value).eq(0) from maker(whole)": "the wire is 0, as it should be; the claim is there for another one",

@@ -28,7 +28,8 @@ from safeloc.models.reflector_device import NAME, compose_machines
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
 from safeloc.models.turn_off.simulate import SwitchAhead, shift_mm
-from safeloc.runtime.streams.steps import Cell, write_steps
+from safeloc.proof.drawn_runs.worked import WorkedRun, write_runs
+from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion
 
@@ -245,16 +246,17 @@ def _ghosts(course: str, lateral_mm: int, shift_mm: int) -> dict[str, Cell]:
     return {f"turn_off.{name}": cell for name, cell in true.items()}
 
 
+def _worked(scene: Scene) -> WorkedRun[ReflectorDeviceConfig]:
+    return WorkedRun(
+        scene.says, lambda config: simulate(config, scene, seed=SEED), first_state(ReflectorDeviceConfig())
+    )
+
+
 def write(folder: Path = FOLDER) -> list[Path]:
     """Write all recordings, each with its first state; return their paths."""
-    config, paths = ReflectorDeviceConfig(), list[Path]()
-    for name, scene in SCENES.items():
-        paths.append(folder / f"{NAME}-{name}.jsonl.gz")
-        steps = simulate(config, scene, seed=SEED)
-        write_steps(paths[-1], steps, machine=NAME, first=first_state(config), short=True)
-    return paths
+    runs = {f"{NAME}-{name}": _worked(scene) for name, scene in SCENES.items()}
+    return write_runs(folder, runs, ReflectorDeviceConfig(), short=True)
 
 
 if __name__ == "__main__":
-    for path in write():
-        print(path)
+    print(*write(), sep="\n")

@@ -7,6 +7,7 @@ from functools import partial
 
 from safeloc.language.spec import Property
 from safeloc.models import reflector_device
+from safeloc.models.delocalized.reported import interval_of_the_host
 from safeloc.models.reflector_device import NAME, ReflectorDevice
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.configurations import CONFIGURATIONS
@@ -16,22 +17,14 @@ from safeloc.properties import reflector as reflector_claims
 from safeloc.properties import reflector_device as claims
 from safeloc.properties import stop_point as stop_claims
 from safeloc.properties import turn_off as course_claims
-from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
     "Odometer, balise reader and radar, with the course at switches, the restrictive state and the stop at a platform behind them, in one step: reflectors "
     "are measured from where the balise machine accepted a group."
 )
-REPORTED = Reported(
-    position="delocalized.position_mm",
-    below="delocalized.margin_below_mm",
-    above="delocalized.margin_above_mm",
-    valid="delocalized.restrictive",
-    valid_is=False,
-    truth="truth_nm",
-)
+REPORTED = interval_of_the_host(truth="truth_nm")
 
 
 def target(config: ReflectorDeviceConfig) -> Target:
@@ -72,5 +65,9 @@ ENTRIES = (
         members=("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point"),
         configurations=CONFIGURATIONS,
         records_of={"front_wheel_mm": "motion.odometer_mm"},
+        hazard=Hazard(
+            "a false course through a switch is reported, or the train is not braked in time for its stop",
+            ("turn_off: course is true", "brake order in time"),
+        ),
     ),
 )

@@ -49,7 +49,7 @@ def world(own: Parts) -> World:
 def measuring(own: Parts) -> Measuring:
     """Return the odometer as a unit of the world."""
     seen = own.ghosts
-    return Measuring(own.odometer.law, own.odometer.step, seen.last_delivered, seen.silent, own.config.physics)
+    return Measuring(own.odometer.law, own.odometer.measured, seen.last_delivered, seen.silent, own.config.physics)
 
 
 def _after(own: Parts) -> Num:
@@ -67,7 +67,7 @@ def _route(own: Parts) -> Num:
 
 def _odometer_law(own: Parts) -> Law:
     seen, odometer = own.ghosts, measuring(own)
-    error = seen.true_step - exact_to(own.odometer.step.value, NM) - (seen.next_wander - seen.wander)
+    error = seen.true_step - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
     return Law(
         odometer.can_be_run.implies(odometer.allows(error)),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "

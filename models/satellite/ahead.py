@@ -39,7 +39,7 @@ class Ahead:
         return max(self.speed_um_s - self.slowest_um_s, self.fastest_um_s - self.speed_um_s)
 
     def stretch_m(self) -> tuple[float, float]:
-        """From where it may have been to where it may be, in m along the track."""
+        """Return the stretch from its rearmost to its foremost possible place, in m along the track."""
         ends = (*self.came_from_nm, self.low_nm, self.high_nm)
         return min(ends) / NM_PER_M, max(ends) / NM_PER_M
 

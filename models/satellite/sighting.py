@@ -33,7 +33,7 @@ class Sighting:
 
 
 def sighted(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], due_s: float, navigation: Navigation) -> Sighting:
-    """From E*(t) laid on the portions. A state off the map gives no prediction."""
+    """Return the residuals of an epoch at the places that E*(t) predicts on the portions; a state off the map gives none."""
     state = ahead.at(epoch.time_s - due_s)
     try:
         places = on_portion(state, portions)
@@ -45,7 +45,8 @@ def sighted(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], due_s: floa
 
 
 def true_time_s(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], navigation: Navigation) -> float:
-    """When an epoch was measured, the receiver's clock taken off, for a vehicle about where it is predicted.
+    """Return the time at which an epoch was measured, without the receiver's clock error, for a vehicle near its
+    predicted place.
 
     InputError where the prediction is off the map.
     """

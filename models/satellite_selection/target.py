@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from safeloc.models import satellite_selection
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.models.satellite_selection.configurations import CONFIGURATIONS
 from safeloc.properties import satellite_selection as claims
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: SelectionConfig) -> Target:
     """Make the machine."""
     model = satellite_selection.build(satellite_selection.parts(config))
     properties = claims.properties(model)
-    return single(model.machine, properties, config, simulate=lambda seed: _simulated(config, seed))
+    made = single(model.machine, properties, config, simulate=lambda seed: _simulated(config, seed))
+    return replace(made, hazard=_hazard(config))
+
+
+def _hazard(config: SelectionConfig) -> Hazard:
+    """Return the hazard: a satellite that violates one figure only is bounded only where one excludes it."""
+    if config.removal == "both":
+        return Hazard("a satellite is usable that violates every figure", ("channel *: a violation is not usable",))
+    bounded = "a satellite is usable whose range or speed is off by more than the bound"
+    return Hazard(bounded, ("channel *: a usable * is bounded",))
 
 
 def _simulated(config: SelectionConfig, seed: int) -> Sequence[Mapping[str, Cell]]:

@@ -59,7 +59,7 @@ class SelectionConfig(Config):
 
     @model_validator(mode="after")
     def _keeps_healthy_ones(self) -> SelectionConfig:
-        """The threshold rule: above noise, prediction and clock error, or healthy satellites go when the train brakes."""
+        """Refuse a threshold that does not exceed noise, prediction and clock error: it would exclude healthy satellites while the train brakes."""
         rows = (
             ("range_threshold_mm", self.range_threshold_mm, self.range_off_at_most_mm),
             ("speed_threshold_mm_s", self.speed_threshold_mm_s, self.speed_off_at_most_mm_s),
@@ -83,7 +83,7 @@ class SelectionConfig(Config):
 
     @derived("mm/s", "[D] threshold, prediction and clock error: what a usable range rate may be wrong by")
     def usable_speed_error_mm_s(self) -> int:
-        """Return the greatest error of a usable signal's range rate, mm/s."""
+        """Greatest error of a usable signal's range rate, mm/s."""
         return self.speed_threshold_mm_s + self.speed_prediction_mm_s + self.speed_clock_mm_s
 
     @property
@@ -134,7 +134,7 @@ class Parts:
 
 
 def parts(config: SelectionConfig) -> Parts:
-    """Fresh variables for one machine."""
+    """Return fresh variables for one machine."""
     return Parts(config)
 
 

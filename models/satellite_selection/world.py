@@ -11,7 +11,7 @@ from safeloc.models.satellite_selection.variables import Channel, Parts
 
 
 def world(own: Parts) -> World:
-    """Errors of signals, prediction and clock are chosen anew in every cycle."""
+    """Return the world: errors of signals, prediction and clock are chosen anew in every cycle."""
     return World(
         choices=own.declared.choices,
         clauses={f"satellite {one.number} is compared as it is": _comparison_law(own, one) for one in own.channels},

@@ -8,7 +8,7 @@ from safeloc.models import sections
 from safeloc.models.sections import SectionsConfig
 from safeloc.models.sections.configurations import CONFIGURATIONS
 from safeloc.properties import sections as claims
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = "Trains of a line area between axle counters, and the virtual sections that it is cut into, in one step."
 
@@ -44,6 +44,13 @@ ENTRIES = (
         members=("area", "section_1"),
         configurations=CONFIGURATIONS,
         no_interval="It reports which sections are clear.",
+        hazard=Hazard(
+            "a section is reported clear with a vehicle in it",
+            (
+                "section_* is never clear with a train in it",
+                "section_* is never clear with a vehicle that was not counted",
+            ),
+        ),
         silent=("area",),
     ),
 )

@@ -11,7 +11,7 @@ from safeloc.models.stop_point.picture import picture
 from safeloc.models.stop_point.variables import StopPointConfig, parts
 from safeloc.properties import stop_point as claims
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Pair, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: StopPointConfig) -> Target:
@@ -44,5 +44,14 @@ ENTRIES = (
             Pair("speed error beside brakes", "brake_mm_s2:up", "speed_error_mm_s:up"),
         ),
         no_interval="It gives orders to brake and to move; the position is an input.",
+        hazard=Hazard(
+            "the train is not braked before the window at the platform ends, moves there where it may not, or is reported in position elsewhere",
+            (
+                "brake order in time",
+                "never on beyond the window",
+                "never back before the window",
+                "in position within the window",
+            ),
+        ),
     ),
 )

@@ -4,22 +4,15 @@ from __future__ import annotations
 
 from safeloc.models import supervised_odometry
 from safeloc.models.delocalized import DelocalizedConfig
+from safeloc.models.delocalized.reported import interval_of_the_host
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.properties import delocalized as delocalized_claims
 from safeloc.properties import odometry as odometry_claims
 from safeloc.properties import supervised_odometry as claims
-from safeloc.reported import Reported
 from safeloc.target import Entry, Family, Target
 
 DOC = "Odometry with the delocalized machine behind it, in one step: what the host of a vehicle sees."
-REPORTED = Reported(
-    position="delocalized.position_mm",
-    below="delocalized.margin_below_mm",
-    above="delocalized.margin_above_mm",
-    valid="delocalized.restrictive",
-    valid_is=False,
-    truth="odometry.truth_nm",
-)
+REPORTED = interval_of_the_host(truth="odometry.truth_nm")
 
 
 def target(config: OdometryConfig) -> Target:

@@ -12,7 +12,7 @@ from random import Random
 
 from safeloc.language.units import UM_PER_MM
 from safeloc.models.train_order import TrainOrderConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 
 _HALF_MM = 120_000  # half a pattern: a train with the uncertainty of its ends

@@ -7,7 +7,7 @@ from safeloc.models.fibre.picture import order_picture
 from safeloc.models.train_order import TrainOrderConfig
 from safeloc.models.train_order.simulate import simulate
 from safeloc.properties import train_order as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: TrainOrderConfig) -> Target:
@@ -31,5 +31,12 @@ ENTRIES = (
         Family.FIBRE,
         place=70,
         no_interval="It tells whose a pattern is.",
+        hazard=Hazard(
+            "a pattern is taken for that of another train",
+            (
+                "a pattern holds its train",
+                "the order is that on the track",
+            ),
+        ),
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from safeloc.models import travel_direction
 from safeloc.models.travel_direction import DirectionConfig
 from safeloc.properties import travel_direction as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: DirectionConfig) -> Target:
@@ -23,6 +23,7 @@ ENTRIES = (
         Family.MARKERS,
         place=60,
         no_interval="It tells a direction, no place.",
+        hazard=Hazard("a false direction of travel is reported", ("direction is true",)),
         silent=("travel_direction",),
     ),
 )

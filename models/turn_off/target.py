@@ -5,7 +5,7 @@ from __future__ import annotations
 from safeloc.models import turn_off
 from safeloc.models.turn_off import TurnOffConfig
 from safeloc.properties import turn_off as claims
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: TurnOffConfig) -> Target:
@@ -23,5 +23,6 @@ ENTRIES = (
         Family.MARKERS,
         place=50,
         no_interval="It tells a course through a switch, no place.",
+        hazard=Hazard("a false course through a switch is reported", ("course is true",)),
     ),
 )

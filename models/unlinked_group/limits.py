@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group, telegram
 from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
-from safeloc.proof.runs.worked import Steps
+from safeloc.proof.drawn_runs.worked import Steps
 from safeloc.runtime.streams.steps import Cell
 
 _MEASURED_MM = (0, 50, 50, 0, -50, -50, 0, None, 0)

@@ -20,7 +20,7 @@ from safeloc.models.balise.simulate import simulate as over_groups
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.unlinked_group.limits import at_the_limits
 from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
-from safeloc.proof.runs.worked import Steps, WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, move, plan

@@ -15,7 +15,7 @@ from safeloc.models.balise.linking import LARGEST_ACCURACY_MM, national
 from safeloc.models.balise.telegram import ORIENTATION, UNKNOWN, Reader, reading
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import Limits
+from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
 from safeloc.models.vocabulary.odometer import Heading, odometer
 
 READ = members(
@@ -94,12 +94,12 @@ class UnlinkedGroupConfig(Config):
     @property
     def max_step_mm(self) -> int:
         """The greatest distance that is measured in a cycle at the highest speed, mm."""
-        return -(-self.max_speed_mm_s * self.period_ms // 1_000) + self.measuring_step_mm
+        return max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
 
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        change = -(-self.max_acceleration_mm_s2 * self.period_ms**2 // 1_000_000) + 2 * self.measuring_step_mm
+        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap = self.gap_limit_cycles
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, self.max_step_mm, change, gap, gap, 0, self.reach_mm, False

@@ -44,7 +44,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         "the age bounds the run since the reading": age_law(
             own.read,
             own.world.true_since,
-            (measuring(own).can_be_run, own.odometer.step.value),
+            (measuring(own).can_be_run, own.odometer.measured.value),
             period_ms=own.config.period_ms,
             max_speed_mm_s=own.config.max_speed_mm_s,
             measuring_step_mm=own.config.measuring_step_mm,
@@ -69,7 +69,7 @@ def measuring(own: Parts) -> Measuring:
         config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
         config.gap_limit_cycles, config.gap_limit_cycles + 1,
     )  # fmt: skip
-    return Measuring(own.odometer.law, own.odometer.step, own.world.last_delivered, own.world.silent, physics)
+    return Measuring(own.odometer.law, own.odometer.measured, own.world.last_delivered, own.world.silent, physics)
 
 
 def _wander_after(own: Parts) -> Num:
@@ -79,7 +79,7 @@ def _wander_after(own: Parts) -> Num:
 def _odometer_law(own: Parts) -> Law:
     seen, unit = own.world, measuring(own)
     farthest = unit.physics.farthest_nm
-    error = seen.true_step - exact_to(own.odometer.step.value, NM) - (seen.next_wander - seen.wander)
+    error = seen.true_step - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
     blind = between(-farthest, seen.true_step, farthest)
     counts = unit.can_be_run
     return Law(
@@ -107,7 +107,7 @@ def _line_law(own: Parts) -> Law:
 
 def _rolling(own: Parts) -> dict[Var, Expr]:
     seen = own.world
-    ran = ite(measuring(own).can_be_run, own.odometer.step.value, as_num(0, MM))
+    ran = ite(measuring(own).can_be_run, own.odometer.measured.value, as_num(0, MM))
     rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
     return {seen.rolled: rolled, seen.backwards: backwards}
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from safeloc.models.fibre.simulate import Stay, simulate_stay
 from safeloc.models.verification.variables import VerificationConfig
-from safeloc.proof.runs.worked import WorkedRun, write_named
+from safeloc.proof.drawn_runs.worked import WorkedRun, write_named
 
 SEED = 1
 

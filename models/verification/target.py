@@ -10,7 +10,7 @@ from safeloc.models.verification.configurations import CONFIGURATIONS
 from safeloc.properties import verification as claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Hazard, Target, single
 
 
 def target(config: VerificationConfig) -> Target:
@@ -56,5 +56,13 @@ ENTRIES = (
         Family.FIBRE,
         place=30,
         no_interval="Its recordings show intervals that miss the true position unnoticed; claimed is only how far (`place_doubt_mm`).",
+        hazard=Hazard(
+            "a position is farther from the true one than the reported doubt",
+            (
+                "the reported doubt holds",
+                "a place at the counter",
+                "a place later",
+            ),
+        ),
     ),
 )

@@ -51,6 +51,16 @@ class Limits:
         return self.max_speed_mm_s * self.period_ms * 1_000
 
 
+def max_step_mm(max_speed_mm_s: int, period_ms: int, measuring_step_mm: int) -> int:
+    """Return the greatest distance that is measured in a cycle at the highest speed, mm, rounded up."""
+    return -(-max_speed_mm_s * period_ms // 1_000) + measuring_step_mm
+
+
+def max_step_change_mm(max_acceleration_mm_s2: int, period_ms: int, measuring_step_mm: int) -> int:
+    """Return the most by which the distances of successive cycles differ, mm, rounded up."""
+    return -(-max_acceleration_mm_s2 * period_ms**2 // 1_000_000) + 2 * measuring_step_mm
+
+
 class CycleLimits(Protocol):
     """The figures of a cycle that a measured distance is judged by."""
 
@@ -82,12 +92,13 @@ class MeasuredDistance:
     The distance is used if it is there and the vehicle can have run it. Otherwise the position rests, and the farthest travel
     at the highest speed is added to both margins: no guess takes the place of a missing distance.
 
+    measured  input: the distance measured in the cycle, mm; absent where the unit sent none
     gap   cycles since the last distance that was used
     more  error beyond the law, nm, which a checking unit reports with each distance (safeloc.models.motion)
     """
 
     law: ErrorLaw
-    step: Optional
+    measured: Optional
     gap: NumVar
     limits: CycleLimits
     more: NumVar | None = field(default=None, kw_only=True)
@@ -95,12 +106,12 @@ class MeasuredDistance:
     @cached_property
     def inputs(self) -> list[NumVar | Optional]:
         """The measured distance, and the error that is reported with it."""
-        return [self.step] if self.more is None else [self.step, self.more]
+        return [self.measured] if self.more is None else [self.measured, self.more]
 
     @cached_property
     def admitted(self) -> Bool:
         """This cycle's distance is used."""
-        return self.step.present & (abs_(self.step.value) <= self.limits.max_step_mm)
+        return self.measured.present & (abs_(self.measured.value) <= self.limits.max_step_mm)
 
     @cached_property
     def failed(self) -> Bool:
@@ -110,12 +121,12 @@ class MeasuredDistance:
     @cached_property
     def distance(self) -> Num:
         """Distance by which the position moves, mm: the measured one, or 0."""
-        return ite(self.admitted, self.step.value, as_num(0, MM))
+        return ite(self.admitted, self.measured.value, as_num(0, MM))
 
     @cached_property
     def most_error(self) -> Num:
         """Greatest error of a distance that is used, nm: by the law, and what is reported beyond it."""
-        return self._with_more(self.law.growth_nm(abs_(self.step.value), as_num(0, MS), self.limits.period_ms))
+        return self._with_more(self.law.growth_nm(abs_(self.measured.value), as_num(0, MS), self.limits.period_ms))
 
     def _with_more(self, error: Num) -> Num:
         return error if self.more is None else error + self.more

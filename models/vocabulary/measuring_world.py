@@ -61,13 +61,13 @@ class Physics:
 class Measuring:
     """A unit in the world.
 
-    step    distance that the unit delivers
+    measured  distance that the unit delivers
     last_delivered  ghost: the last distance it delivered that a vehicle can have run, mm
     silent  ghost: cycles since then
     """
 
     law: ErrorLaw
-    step: Optional
+    measured: Optional
     last_delivered: NumVar
     silent: NumVar
     physics: Physics
@@ -78,11 +78,11 @@ class Measuring:
 
         The term limits the distance either way, where machines compare magnitudes: a wrong edit there is not repeated here.
         """
-        step, farthest_mm = self.step.value, self.physics.farthest_mm
+        distance, farthest_mm = self.measured.value, self.physics.farthest_mm
         change = with_unit((self.silent + 1) * self.physics.change_mm, MM)
         unheard = self.silent > self.physics.gap_limit_cycles
-        changed = unheard | between(-change, step - self.last_delivered, change)
-        return all_of([self.step.present, between(-farthest_mm, step, farthest_mm), changed])
+        changed = unheard | between(-change, distance - self.last_delivered, change)
+        return all_of([self.measured.present, between(-farthest_mm, distance, farthest_mm), changed])
 
     def first(self) -> dict[Var, Initial]:
         """Return the ghosts with their first values: the unit has delivered nothing yet."""
@@ -92,7 +92,7 @@ class Measuring:
         """Return the next values of the ghosts."""
         counts, longest = self.can_be_run, self.physics.longest_cycles
         return {
-            self.last_delivered: ite(counts, self.step.value, self.last_delivered),
+            self.last_delivered: ite(counts, self.measured.value, self.last_delivered),
             self.silent: ite(counts, as_num(0, COUNT), minimum(self.silent + 1, longest)),
         }
 
@@ -102,7 +102,7 @@ class Measuring:
         The rate counts the part of the distance above the knee, in thousandths of a nm.
         """
         law, period = self.law, self.physics.period_ms
-        thousandths, knee = self.step.value * THOUSAND, Lit(law.knee_mm_s * period, MM)
+        thousandths, knee = self.measured.value * THOUSAND, Lit(law.knee_mm_s * period, MM)
         above = maximum(thousandths - knee, maximum(-thousandths - knee, 0))
         most = with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * period * THOUSAND**2
         if drift_age is not None:

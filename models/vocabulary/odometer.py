@@ -55,8 +55,8 @@ class Odometer(MeasuredDistance):
     @cached_property
     def verdict(self) -> Num:
         """Verdict on this cycle's distance: ADMITTED, or why it is not used."""
-        too_fast = abs_(self.step.value) > self.limits.max_step_mm
-        return ite(~self.step.present, MISSING, ite(too_fast, TOO_FAST, ite(self._jump, JUMP, ADMITTED)))
+        too_fast = abs_(self.measured.value) > self.limits.max_step_mm
+        return ite(~self.measured.present, MISSING, ite(too_fast, TOO_FAST, ite(self._jump, JUMP, ADMITTED)))
 
     @cached_property
     def _jump(self) -> Bool:
@@ -65,7 +65,7 @@ class Odometer(MeasuredDistance):
             return FALSE
         known = self.gap <= self.limits.gap_limit
         allowed = with_unit((self.gap + 1) * self.limits.max_step_change_mm, MM)
-        return known & (abs_(self.step.value - self.last) > allowed)
+        return known & (abs_(self.measured.value - self.last) > allowed)
 
     @cached_property
     def admitted(self) -> Bool:
@@ -84,7 +84,7 @@ class Odometer(MeasuredDistance):
     @cached_property
     def last_after(self) -> Num:
         """The last distance that was used, this cycle included, mm."""
-        return ite(self.admitted, self.step.value, self.last)
+        return ite(self.admitted, self.measured.value, self.last)
 
     def listen(self) -> dict[Var, Expr]:
         """Return the updates of every cycle: last distance, gap and verdict."""

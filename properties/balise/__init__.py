@@ -36,7 +36,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def properties(model: Balise) -> list[Property]:
-    """Every property of the balise machine."""
+    """Return every property of the balise machine."""
     makers = (
         _safety,
         _invalid,
@@ -344,19 +344,19 @@ def _sensors(model: Balise) -> Iterator[Property]:
     yield within(
         "silence delocalizes",
         own.config.gap_limit_cycles,
-        ~odometer.step.present,
-        odometer.step.present | ~machine.flag("valid"),
+        ~odometer.measured.present,
+        odometer.measured.present | ~machine.flag("valid"),
         statement="when the odometer is silent, the machine reports no position after the permitted gap at the latest",
         requirements=("RFL-D4",),
         unconditional=True,
         helper=lambda waited: waited <= odometer.gap,
     )
     limits = own.config.limits
-    possible = between(-limits.max_step_mm, odometer.step.value, limits.max_step_mm)
+    possible = between(-limits.max_step_mm, odometer.measured.value, limits.max_step_mm)
     gate = possible if own.config.checked_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",
-        odometer.last_verdict.eq(ADMITTED).implies(odometer.step.present & gate),
+        odometer.last_verdict.eq(ADMITTED).implies(odometer.measured.present & gate),
         statement="a distance is admitted only below the top speed, and, unless a second unit has checked it, within "
         "the greatest change of speed since the last one",
     )
@@ -365,7 +365,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
 def _may_have_changed(model: Balise) -> Bool:
     """A vehicle can have changed its speed so much since the last distance."""
     odometer, limits = model.own.odometer, model.own.config.limits
-    gap, change = earlier_num(odometer.gap), odometer.step.value - earlier_num(odometer.last)
+    gap, change = earlier_num(odometer.gap), odometer.measured.value - earlier_num(odometer.last)
     most = _change_mm(model.own.config)
     allowed = with_unit(gap * most, MM) + most
     return (gap > limits.gap_limit) | between(-allowed, change, allowed)

@@ -16,7 +16,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def linking_properties(model: Balise) -> Iterator[Property]:
-    """Every property of linking."""
+    """Return every property of linking."""
     yield from _kept(model)
     yield from _windows(model)
     yield from _reactions(model)

@@ -18,7 +18,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def refusal_properties(model: Balise) -> Iterator[Property]:
-    """Every property of groups refused in a row."""
+    """Return every property of groups refused in a row."""
     yield from _counted(model)
     yield from _ending(model)
     yield from _rightly(model)

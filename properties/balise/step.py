@@ -53,7 +53,7 @@ class Step:
     @cached_property
     def distance(self) -> Num:
         """The admitted distance, mm; 0 without one."""
-        return ite(self.admitted, self.model.own.odometer.step.value, as_num(0, MM))
+        return ite(self.admitted, self.model.own.odometer.measured.value, as_num(0, MM))
 
     @cached_property
     def moved(self) -> Interval:
@@ -68,7 +68,7 @@ class Step:
     def _lawful_nm(self) -> Num:
         """Greatest error of an admitted distance, nm: the rate above the knee, and the floor over a cycle."""
         law, period = self.model.own.config.odometer, self.model.own.config.period_ms
-        step = self.model.own.odometer.step.value
+        step = self.model.own.odometer.measured.value
         far = maximum(step, -step)
         above = maximum(far - law.knee_mm_s * period // 1_000, 0) if law.knee_mm_s else far
         return exact_to(Lit(law.floor_mm_s * period, UM), NM) + with_unit(above * law.rate_ppm, NM)

@@ -325,7 +325,7 @@ def _ran_on(unit: Unit, other: Unit) -> Bool:
     delivered, other_delivered = unit.last_verdict.eq(ADMITTED), other.last_verdict.eq(ADMITTED)
     if unit.limits.single_fault_safe:  # a lone distance moves nothing
         delivered = other_delivered = delivered & other_delivered
-    moved = ite(delivered, unit.step.value, ite(other_delivered, other.step.value, as_num(0, MM)))
+    moved = ite(delivered, unit.measured.value, ite(other_delivered, other.measured.value, as_num(0, MM)))
     growth = unit.above - earlier_num(unit.above)
     return all_of(
         [
@@ -339,7 +339,7 @@ def _ran_on(unit: Unit, other: Unit) -> Bool:
 
 def _sensors(model: Odometry) -> Iterator[Property]:
     own, machine = model.own, model.machine
-    delivered = any_of(unit.step.present for unit in own.units)
+    delivered = any_of(unit.measured.present for unit in own.units)
     yield within(
         "silence delocalizes",
         own.config.gap_limit_cycles,
@@ -357,7 +357,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
     for unit in own.units:
         yield for_all_inputs(
             f"{unit.name} gate",
-            unit.last_verdict.eq(ADMITTED).iff(unit.step.present & _within_gate(own.config, unit)),
+            unit.last_verdict.eq(ADMITTED).iff(unit.measured.present & _within_gate(own.config, unit)),
             statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed "
             "since the last one",
             requirements=("MRK-4", "MRK-D1"),
@@ -386,7 +386,7 @@ def _within_gate(config: OdometryConfig, unit: Unit) -> Bool:
     """In figures of the requirement: top speed and greatest acceleration, rounded up to mm, and steps of the measurement."""
     farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
-    step, last, silent = unit.step.value, earlier_num(unit.last), earlier_num(unit.gap)
+    step, last, silent = unit.measured.value, earlier_num(unit.last), earlier_num(unit.gap)
     while_silent = with_unit(silent * change, MM)
     near = (step - last <= while_silent + change) & (last - step <= while_silent + change)
     return (step <= farthest) & (step >= -farthest) & ((silent > config.gap_limit_cycles) | near)

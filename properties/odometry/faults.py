@@ -17,7 +17,8 @@ SOURCES = ("MRK-4", "MRK-D1")
 
 
 def properties(model: Odometry) -> list[Property]:
-    """Containment with one faulty unit: of the reported interval, or, without `single_fault_safe`, of a wider one.
+    """Return the properties of containment with one faulty unit: of the reported interval, or, without
+    `single_fault_safe`, of a wider one.
 
     That of the wider one holds only where no reading is stray (`trust_first_marker`). PropertyError for a machine whose parts
     were made without the ghost of a faulty unit.

@@ -64,12 +64,14 @@ def counts(own: Parts) -> Bool:
     """Return whether a distance was measured that the highest speed allows."""
     config = own.config
     most = config.measuring_step_mm - (-config.max_speed_mm_s * config.period_ms // 1_000)
-    return (own.odometer.step.value <= most) & (own.odometer.step.value >= -most) & own.odometer.step.present
+    return (
+        (own.odometer.measured.value <= most) & (own.odometer.measured.value >= -most) & own.odometer.measured.present
+    )
 
 
 def ran_mm(own: Parts) -> Num:
     """Return the usable distance of this cycle, mm; 0 if there is none."""
-    return ite(~counts(own), as_num(0, MM), own.odometer.step.value)
+    return ite(~counts(own), as_num(0, MM), own.odometer.measured.value)
 
 
 def further_error(own: Parts) -> Num:
@@ -80,7 +82,7 @@ def further_error(own: Parts) -> Num:
 def law_nm(own: Parts) -> Num:
     """Return the error that the odometer's law allows in this cycle, and the error reported beyond it, nm; mm x ppm = nm."""
     law, config = own.config.odometer, own.config
-    far, knee_mm = without_sign(own.odometer.step.value), law.knee_mm_s * config.period_ms // 1_000
+    far, knee_mm = without_sign(own.odometer.measured.value), law.knee_mm_s * config.period_ms // 1_000
     above = maximum(far - knee_mm, 0) if knee_mm else far
     measured = with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * config.period_ms * 1_000
     blind = as_num(config.max_speed_mm_s * config.period_ms * 1_000, NM)
@@ -90,7 +92,7 @@ def law_nm(own: Parts) -> Num:
 def ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
     """Return the farthest travel (forwards, backwards) in the last `latency_ms` of the cycle, nm."""
     config, share = own.config, -(-latency_ms * 1_000_000 // own.config.period_ms)
-    ran = with_unit(own.odometer.step.value * share, NM)
+    ran = with_unit(own.odometer.measured.value * share, NM)
     blind = as_num(-(-config.max_speed_mm_s * config.period_ms * share // 1_000), NM)
     return (
         ite(counts(own), ite(ran > 0, ran, as_num(0, NM)) + further_error(own), blind),
@@ -137,12 +139,6 @@ def foremost(own: Parts) -> Num:
 def width(own: Parts) -> Num:
     """Return the width of the stored interval, nm."""
     return own.track.below + own.track.above
-
-
-def _late_mm(own: Parts) -> int:
-    """Return the farthest that a vehicle gets in the latency of a frame, in whole mm."""
-    config = own.config
-    return -(-config.max_speed_mm_s * config.frame_latency_ms // 1_000) + config.measuring_step_mm + 1
 
 
 def seen_from(own: Parts, position: Num, view_from: Num) -> Num:

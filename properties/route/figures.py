@@ -35,7 +35,7 @@ def bounds(model: Route, route: Hypothesis) -> tuple[Num, Num]:
 
 def _most_added_error(own: Parts) -> Num:
     """Return the greatest error of the measured distance, nm: the rate counts the part above the knee."""
-    law, config, step = own.config.odometer, own.config, own.odometer.step.value
+    law, config, step = own.config.odometer, own.config, own.odometer.measured.value
     knee = law.knee_mm_s * config.period_ms // 1_000
     above = maximum(maximum(step - knee, -step - knee), 0)
     return law.floor_mm_s * config.period_ms * 1_000 + with_unit(above * law.rate_ppm, NM)
@@ -44,7 +44,7 @@ def _most_added_error(own: Parts) -> Num:
 def ran(own: Parts) -> tuple[Num, Num]:
     """Return the least and the greatest travel of the cycle, nm; without a usable distance, the highest speed either way."""
     counts, blind = own.odometer.last_verdict.eq(ADMITTED), own.config.max_speed_mm_s * own.config.period_ms * 1_000
-    measured = exact_to(own.odometer.step.value, NM)
+    measured = exact_to(own.odometer.measured.value, NM)
     least = ite(counts, measured - _most_added_error(own), as_num(-blind, NM))
     return least, ite(counts, _most_added_error(own) + measured, as_num(blind, NM))
 

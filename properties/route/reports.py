@@ -91,7 +91,7 @@ def _odometer(model: Route) -> Iterator[Property]:
     own, odometer = model.own, model.own.odometer
     yield for_all_inputs(
         "a distance is admitted just if it can have been run",
-        odometer.last_verdict.eq(ADMITTED).iff(all_of([odometer.step.present, *_can_be_run(own)])),
+        odometer.last_verdict.eq(ADMITTED).iff(all_of([odometer.measured.present, *_can_be_run(own)])),
         statement="a distance is used exactly if the top speed and the greatest change of speed since the last one allow it",
     )
     counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
@@ -111,7 +111,7 @@ def _odometer(model: Route) -> Iterator[Property]:
 
 def _can_be_run(own: Parts) -> tuple[Bool, Bool]:
     """Return whether top speed and greatest acceleration allow the distance, rounded up to mm, with the measuring steps."""
-    config, step = own.config, own.odometer.step.value
+    config, step = own.config, own.odometer.measured.value
     farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
     silent, faster = earlier_num(own.odometer.gap), step - earlier_num(own.odometer.last)

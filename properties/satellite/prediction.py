@@ -57,7 +57,7 @@ def prediction(model: Satellite) -> Iterator[Property]:
 
 
 def prediction_error(model: Satellite) -> Iterator[Property]:
-    """Properties of the prediction E*: its distance from the truth is bounded."""
+    """Return the properties of the prediction E*: its distance from the truth is bounded."""
     off, off_speed = _prediction_errors(model)
     within, within_speed = _error_bounds(model)
     yield always(

@@ -54,7 +54,7 @@ def solutions(model: Satellite) -> Iterator[Property]:
 
 
 def used(model: Satellite) -> Iterator[Property]:
-    """Properties of each satellite of an accepted solution, by its measured values."""
+    """Return the properties of each satellite of an accepted solution, by its measured values."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.composition.of(model.selection.machine)
     accepted = of.num(own.last_verdict).eq(ACCEPTED)
     used = [of.bool(flag) for flag in own.used]
@@ -95,7 +95,9 @@ def _satellites(used: Sequence[Bool]) -> Num:
 
 
 def narrowed(model: Satellite) -> Iterator[Property]:
-    """Properties of the interval after an accepted solution: its protection level covers the greatest error of usable signals."""
+    """Return the properties of the interval after an accepted solution: its protection level covers the greatest error of
+    usable signals.
+    """
     own, of, now, was = model.own, model.composition.of(model.machine), now_kept(model), kept_before(model)
     place, level, way = exact_to(of.num(own.fix.value), NM), most_off(model), most_way(model)
     speed, speed_level, gained = of.num(own.fix_speed), most_speed_off(model), most_change(model)
@@ -116,7 +118,7 @@ def narrowed(model: Satellite) -> Iterator[Property]:
 
 
 def outcomes(model: Satellite) -> Iterator[Property]:
-    """Properties of the verdict on a solution, and of the reason for none: in this order of reasons."""
+    """Return the properties of the verdict on a solution, and of the reason for none: in this order of reasons."""
     own, of = model.own, model.composition.of(model.machine)
     verdict, located = of.num(own.last_verdict), earlier_bool(of.bool(model.machine.flag("valid")))
     used = [of.bool(flag) for flag in own.used]

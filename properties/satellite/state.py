@@ -61,14 +61,16 @@ def most_change(model: Satellite) -> int:
 
 
 def most_off(model: Satellite) -> Num:
-    """Error bound of a solution's place, in nm: dilution times the greatest error of a usable range, and the further error."""
+    """Return the error bound of a solution's place, in nm: dilution times the greatest error of a usable range, and the
+    further error.
+    """
     own, of, chosen = model.own, model.composition.of(model.machine), model.own.config.selection
     wrong = Lit(chosen.range_clock_mm + chosen.range_prediction_mm + chosen.range_threshold_mm, MM)
     return exact_to(wrong * of.num(own.dilution), NM) + exact_to(of.num(own.further), NM)
 
 
 def most_speed_off(model: Satellite) -> Num:
-    """Error bound of its speed, in um/s."""
+    """Return the error bound of its speed, in um/s."""
     own, of, chosen = model.own, model.composition.of(model.machine), model.own.config.selection
     wrong = Lit(chosen.speed_clock_mm_s + chosen.speed_prediction_mm_s + chosen.speed_threshold_mm_s, MM_S)
     return exact_to(wrong * of.num(own.speed_dilution), UM_S) + of.num(own.speed_further)

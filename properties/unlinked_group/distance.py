@@ -16,7 +16,7 @@ for_all_inputs = partial(always, requirements=("RFL-9", "RFL-D4"), unconditional
 
 
 def distance_properties(model: UnlinkedGroup) -> Iterator[Property]:
-    """Every property of the distance."""
+    """Return every property of the distance."""
     yield from _safety(model)
     yield from _reading(model)
     yield from _running(model)
@@ -89,7 +89,7 @@ def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
     counted = minimum(earlier_num(odometer.gap) + 1, longest)
     heard = [
         odometer.gap.eq(ite(step.admitted, as_num(0, COUNT), counted)),
-        odometer.last.eq(ite(step.admitted, odometer.step.value, earlier_num(odometer.last))),
+        odometer.last.eq(ite(step.admitted, odometer.measured.value, earlier_num(odometer.last))),
     ]
     yield for_all_inputs(
         "odometer gate",
@@ -98,7 +98,7 @@ def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
         "change of speed since the last one",
         requirements=("RFL-D4",),
     )
-    told, there = model.machine.output("odometer"), odometer.step.present
+    told, there = model.machine.output("odometer"), odometer.measured.present
     flaws = [told.eq(MISSING).iff(~there), told.eq(TOO_FAST).iff(there & ~step.not_too_fast)]
     yield for_all_inputs(
         "the odometer's flaw is named",

@@ -18,7 +18,7 @@ for_all_inputs = partial(always, requirements=("RFL-D4",), unconditional=True)
 
 
 def reference_properties(model: UnlinkedGroup) -> Iterator[Property]:
-    """Every property of the reference."""
+    """Return every property of the reference."""
     yield from _taking(model)
     yield from _told_of(model)
     yield from _accuracy(model)
@@ -166,8 +166,8 @@ def _withdrawing(model: UnlinkedGroup) -> Iterator[Property]:
     yield within(
         "silence withdraws",
         own.config.gap_limit_cycles,
-        ~odometer.step.present & ~step.serves,
-        odometer.step.present | step.serves | ~step.valid,
+        ~odometer.measured.present & ~step.serves,
+        odometer.measured.present | step.serves | ~step.valid,
         statement="when the odometer is silent, and no further unlinked group is read, there is no reference after the permitted gap "
         "at the latest",
         requirements=("RFL-D4",),

@@ -77,20 +77,20 @@ class Step:
     @cached_property
     def distance(self) -> Num:
         """The admitted distance, mm; 0 without one."""
-        return ite(self.admitted, self.model.own.odometer.step.value, as_num(0, MM))
+        return ite(self.admitted, self.model.own.odometer.measured.value, as_num(0, MM))
 
     @cached_property
     def not_too_fast(self) -> Bool:
         """The odometer delivers a distance that is possible at the highest speed."""
-        config, step = self.model.own.config, self.model.own.odometer.step
+        config, measured = self.model.own.config, self.model.own.odometer.measured
         farthest = math.ceil(config.max_speed_mm_s * config.period_ms / 1_000) + config.measuring_step_mm
-        return step.present & between(-farthest, step.value, farthest)
+        return measured.present & between(-farthest, measured.value, farthest)
 
     @cached_property
     def can_be_run(self) -> Bool:
         """A vehicle can have run the distance: by its speed, and by the change since the last one, while that is remembered."""
         config, odometer = self.model.own.config, self.model.own.odometer
-        gap, change = earlier_num(odometer.gap), odometer.step.value - earlier_num(odometer.last)
+        gap, change = earlier_num(odometer.gap), odometer.measured.value - earlier_num(odometer.last)
         most = math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 10**6) + config.measuring_step_mm * 2
         allowed = with_unit(gap * most, MM) + most
         forgotten = gap > config.gap_limit_cycles
@@ -109,10 +109,12 @@ class Step:
         return exact_to(way, NM)
 
     @cached_property
-    def charged(self) -> Num:
-        """What the cycle adds to either margin, nm: the error of an admitted distance, or the farthest travel without one."""
+    def added_error(self) -> Num:
+        """The error that the cycle adds to either margin, nm: that of an admitted distance, or the farthest travel
+        without one.
+        """
         config = self.model.own.config
-        law, step = config.odometer, self.model.own.odometer.step.value
+        law, step = config.odometer, self.model.own.odometer.measured.value
         far = maximum(step, -step)
         above = maximum(far - law.knee_mm_s * config.period_ms // 1_000, 0) if law.knee_mm_s else far
         lawful = exact_to(Lit(law.floor_mm_s * config.period_ms, UM), NM) + with_unit(above * law.rate_ppm, NM)
@@ -145,7 +147,7 @@ class Step:
         """The distance before the step, moved by the measured one, mm, and both margins grown, nm: under-reading, over-reading."""
         held = self.model.own.held
         place = earlier_num(held.position) + self.distance
-        return place, earlier_num(held.above) + self.charged, earlier_num(held.below) + self.charged
+        return place, earlier_num(held.above) + self.added_error, earlier_num(held.below) + self.added_error
 
     @cached_property
     def beyond(self) -> Bool:

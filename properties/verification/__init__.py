@@ -16,16 +16,11 @@ from safeloc.properties.verification.abilities import properties as ability_prop
 from safeloc.properties.verification.doubted import properties as doubted_properties
 from safeloc.properties.verification.mismatch import properties as mismatch_properties
 from safeloc.properties.verification.reach import properties as reach_properties
+from safeloc.properties.verification.requirements import CLAIM, CONTROL, COUNTED, COURSE, EMITTER, ENTRY, STAY
 
-LAW = "the fibre's readings of a train are true of that train within their bounds; a located interval contains the "
-"front"
-CLAIM = ("FVA-1", "FVA-10")
-STAY = ("FVA-2", "FVA-11")
-ENTRY = ("FVA-3", "FVA-12")
-SAFE = ("FVA-4", "FVA-13", "FVA-5", "FVA-14")
-COURSE = ("FVA-6", "FVA-15")
-CONTROL = ("FVA-7", "FVA-16")
-EMITTER = ("FVA-8", "FVA-17")
+LAW = (
+    "the fibre's readings of a train are true of that train within their bounds; a located interval contains the front"
+)
 for_all_inputs = partial(always, requirements=(*CLAIM, *STAY), unconditional=True)
 under_assumption = partial(always, requirements=(*CLAIM, "FVA-D1"), assumption=LAW)
 
@@ -270,7 +265,7 @@ def _record(model: Verification) -> Iterator[Property]:
         "only sound references",
         (own.due & known).implies(own.sound & recent & own.source.ne(v.NOBODY) & (own.record_count > 0)),
         statement="a record that is disturbed, old, empty or did not come is not accepted",
-        requirements=(*SAFE, *STAY),
+        requirements=(*COUNTED, *STAY),
     )
 
 

@@ -18,18 +18,13 @@ from safeloc.language.units import NM, UM, UM_S
 from safeloc.models.verification import Verification
 from safeloc.models.verification.doubted import Doubted
 from safeloc.models.verification.variables import AXLE_COUNTER, Parts
+from safeloc.properties.verification.requirements import CLAIM, CONTROL, COURSE, ENTRY, MATCH, STAY
 
 LAW = (
     "an axle counter's record that is reported as undisturbed is true, and so is the record that a neighbour "
     "hands over; no train runs faster than the top speed, and no other one takes its place unreported; nothing "
     "is assumed of the messages of the fibre, the emitter or train control"
 )
-CLAIM = ("FVA-1", "FVA-10")
-STAY = ("FVA-2", "FVA-11")
-ENTRY = ("FVA-3", "FVA-12")
-SAFE = ("FVA-4", "FVA-13")
-COURSE = ("FVA-6", "FVA-15")
-CONTROL = ("FVA-7", "FVA-16")
 _whatever_the_fibre_tells = partial(always, requirements=(*CLAIM, *STAY), assumption=LAW)
 
 
@@ -276,7 +271,7 @@ def _handed_over(figures: Figures) -> Iterator[Property]:
         ),
         statement="the record that is handed over of a trusted train is true: its axles, bounds of its length, and bounds "
         "of its front",
-        requirements=("FVA-D1", *STAY, *SAFE),
+        requirements=("FVA-D1", *STAY, *MATCH),
     )
 
 

@@ -17,13 +17,8 @@ from safeloc.models.verification import variables as v
 from safeloc.models.verification.variables import Parts
 from safeloc.properties.verification.abilities import Abilities
 from safeloc.properties.verification.reach import beyond_reach
+from safeloc.properties.verification.requirements import CLAIM, CONTROL, COUNTED, COURSE, ENTRY, STAY
 
-CLAIM = ("FVA-1", "FVA-10")
-STAY = ("FVA-2", "FVA-11")
-ENTRY = ("FVA-3", "FVA-12")
-SAFE = ("FVA-4", "FVA-13", "FVA-5", "FVA-14")
-COURSE = ("FVA-6", "FVA-15")
-CONTROL = ("FVA-7", "FVA-16")
 NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
     "another count is withheld": (
         v.COUNT_DIFFERS,
@@ -65,7 +60,7 @@ NAMED: Mapping[str, tuple[Lit, str, tuple[str, ...]]] = {
     "another record of the same stay is withheld": (
         v.REFERENCE_CONTRADICTS,
         "a record that contradicts the stored one withholds in the same cycle, also if the fibre agrees with it",
-        (*SAFE, *STAY),
+        (*COUNTED, *STAY),
     ),
     "a length that changes withholds": (
         v.LENGTH_CHANGED,

@@ -1,4 +1,4 @@
-"""What the shards of a campaign say: counts by DuckDB, and of every count an estimate with its interval."""
+"""Results of a campaign from its shards: DuckDB counts, and each count gives an estimate with its interval."""
 
 from __future__ import annotations
 

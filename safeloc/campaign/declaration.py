@@ -71,7 +71,7 @@ class Situation(Config):
 
 
 class Declaration(Config):
-    """What a campaign declares.
+    """The declaration of a campaign.
 
     machine         a machine of the catalogue, or the address of one of your own
     cycles          cycles of each vehicle

@@ -1,4 +1,4 @@
-"""What becomes of many runs: the machine runs on them, and each vehicle-cycle is counted by law and by interval.
+"""Outcomes of many runs: the machine runs on them, and each vehicle-cycle is counted by law and by interval.
 
     law kept     every clause of the world has held in the run so far: the proofs speak of the cycle
     law broken   some clause has been broken in this cycle or before it: no proof speaks of it
@@ -122,7 +122,7 @@ def libraries() -> Path:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What became of every vehicle-cycle: arrays [cycle, vehicle].
+    """The outcome of every vehicle-cycle: arrays [cycle, vehicle].
 
     told     an interval is reported
     held     clause by clause: whether it holds; array [clause, cycle, vehicle]

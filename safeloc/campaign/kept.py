@@ -1,4 +1,6 @@
-"""What a campaign finds is kept: vehicles with a wrong interval, and those with the smallest margins, as streams with the truth."""
+"""Storage of a campaign's findings: vehicles with a wrong interval, and those with the smallest margins, as streams with
+the truth.
+"""
 
 from __future__ import annotations
 

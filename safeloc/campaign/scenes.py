@@ -14,6 +14,8 @@ from safeloc.campaign.distributions import Choice, Distribution, Fixed
 from safeloc.campaign.judged import libraries
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
+from safeloc.language.interpret import start
+from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.line_runs.many import ON_LINE, configured
@@ -25,8 +27,9 @@ from safeloc.railway.map.model import content_checksum
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
+from safeloc.simulated import first_values
 from safeloc.simulation.faults import Fault, Kinds
-from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, ManySimulation, packed
+from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, ManySimulation, packed
 from safeloc.simulation.vehicles import load_vehicle
 from safeloc.target import Target
 
@@ -87,7 +90,18 @@ class OwnSimulation:
         """Return the runs of the vehicles."""
         assert self.target.simulate is not None
         seeds = rng.integers(0, 2**31, drawn.vehicles)
-        return ManyRuns(packed(self.target.system, [self.target.simulate(int(seed)) for seed in seeds], cycles))
+        made = [self.target.simulate(int(seed)) for seed in seeds]
+        return ManyRuns(packed(self.target.system, made, cycles), self._first([first_values(run) for run in made]))
+
+    def _first(self, chosen: Sequence[Mapping[str, Value]]) -> dict[str, Array | Value]:
+        """Return the first values of all vehicles, of each variable that some run chooses."""
+        states = [start(self.target.system, one) for one in chosen]
+        names = {name for one in chosen for name in one}
+        return {
+            var.name: np.array([state[var] for state in states])
+            for var in self.target.system.state
+            if var.name in names
+        }
 
 
 @lru_cache(maxsize=16)

@@ -33,7 +33,7 @@ _ATTEMPTS = 1_000
 
 @dataclass(frozen=True)
 class Where:
-    """Where shards run: in this process, on local worker processes, or on a cluster whose scheduler has an address."""
+    """The place where shards run: this process, local worker processes, or a cluster whose scheduler has an address."""
 
     workers: int = 1
     in_process: bool = False
@@ -42,7 +42,7 @@ class Where:
 
 @dataclass
 class Progress:
-    """How far a campaign is; shards that were there already count as done and not in the time."""
+    """The progress of a campaign; shards of an earlier run count as done, but not in the time."""
 
     shards: int
     done: int

@@ -17,7 +17,7 @@ from safeloc.checker.answer import NO_PROOF, OPEN, WRONG
 from safeloc.checker.claims import Claims, Goals
 from safeloc.checker.dag import Dag
 from safeloc.checker.rules import Theory
-from safeloc.checker.runs import Occurrences
+from safeloc.checker.run_checks import Occurrences
 from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
 from safeloc.errors import InputError, SafelocError

@@ -1,4 +1,4 @@
-"""What a proof around a stream leaves in a folder: pictures of the tube, the streams that break a claim, and certificates."""
+"""The output folder of a proof around a stream: pictures of the tube, the streams that break a claim, and certificates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a proof around a stream asks: figures of its options, claims and the laws that are left out."""
+"""The question of a proof around a stream: figures of its options, claims, and the laws that are left out."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from safeloc.errors import InputError
 from safeloc.language.renamed import hint
 from safeloc.proof.verification.replay import read_recording
 from safeloc.runtime.streams.steps import StepStream
+from safeloc.simulated import Steps, first_values
 from safeloc.target import Target, find_recording, recording_name
 
 
@@ -67,7 +68,8 @@ class _Simulation:
     def stream(self) -> tuple[Target, StepStream, str]:
         name = "simulated " + ",".join(f"{key}={value}" for key, value in self.settings.items())
         loaded, steps = self._on_a_line() if "line" in self.settings else (self.loaded, self._alone())
-        return loaded, StepStream(tuple(steps), tuple(range(1, len(steps) + 1)), machine=loaded.name), name
+        lines, first = tuple(range(1, len(steps) + 1)), first_values(steps)
+        return loaded, StepStream(tuple(steps), lines, first, loaded.name), name
 
     @property
     def _seed(self) -> int:
@@ -76,7 +78,7 @@ class _Simulation:
             raise InputError(f"--simulate seed={text}: a seed is a whole number from 0 on.")
         return int(text)
 
-    def _alone(self) -> Sequence[Mapping[str, int | bool | str]]:
+    def _alone(self) -> Steps:
         of_lines = [key for key in self.settings if key != "seed"]
         if of_lines:
             raise InputError(f"--simulate {of_lines[0]}: only a line has it; give line=NAME too.")
@@ -84,9 +86,9 @@ class _Simulation:
             raise InputError(
                 f"{self.loaded.name} has no simulation; give a recording in --around, or line=NAME in --simulate."
             )
-        return list(self.loaded.simulate(self._seed))
+        return self.loaded.simulate(self._seed)
 
-    def _on_a_line(self) -> tuple[Target, Sequence[Mapping[str, int | bool | str]]]:
+    def _on_a_line(self) -> tuple[Target, Steps]:
         from safeloc.cli.simulate_line import LineOptions, runs_on_line  # numpy is loaded only where it is needed
 
         vehicles = (self.settings["vehicle"],) if "vehicle" in self.settings else ()

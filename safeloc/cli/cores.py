@@ -17,6 +17,10 @@ from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 
 KINDS = {"clause": "clauses", "contract": "contracts", "lemma": "lemmas", "range": "ranges of ghosts", "row": "rows"}
+_UNUSED = {
+    "clause": "clauses that no claim needs (obligations, such as ranges, may need them)",
+    "row": "rows whose effect no claim needs (when they fire is kept, and may be needed)",
+}
 _MANY_ROWS = 4
 """More rows than that are given by their number only; --json has their names."""
 
@@ -33,7 +37,7 @@ def cores(
 ) -> None:
     """Find a smallest set of clauses, lemmas and rows for each proved claim, and say which of them no claim needs.
 
-    Exit code 0: a clause that no proof needs is no error, but its author should know why it is there.
+    Of a row its effect is left out, never its condition. Exit code 0: a clause that no claim needs is no error, but its author should know why it is there.
     """
     loaded = load_target(target, config)
     known = {prop.name: prop for prop in loaded.properties}
@@ -64,9 +68,9 @@ def _lines(target: Target, found: Sequence[Core], *, complete: bool) -> Iterator
         yield from _of_claim(one, _row_count(target, one))
     if complete:
         unused = needed_by_none(target, found)
-        for kind, words in (("clause", "clauses"), ("row", "rows")):
+        for kind, words in _UNUSED.items():
             names = [f"{one.machine}: {one.name}" for one in unused if one.kind == kind]
-            yield f"{words} that no proof needs: {'; '.join(names) or 'none'}"
+            yield f"{words}: {'; '.join(names) or 'none'}"
     others = sum(1 for one in found if one.why_none and one.why_none != "shown by a run")
     missing = f"; no smallest set was found for {others}" if others else ""
     yield f"{len(found)} {'claim' if len(found) == 1 else 'claims'}{missing}"

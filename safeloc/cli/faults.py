@@ -1,4 +1,4 @@
-"""`safeloc faults`: break every clause of the world, alone and in pairs, and report the effect on claims and interval."""
+"""`safeloc faults`: break every clause of the world, alone and in pairs; report the effect on claims, interval and hazard."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
-from safeloc.assurance.evidence.cut_sets import TOP, CutSets, cut_sets, to_open_psa
+from safeloc.assurance.evidence.cut_sets import CutSets, cut_sets, to_open_psa
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.assurance.evidence.fault_data import SCHEMA, cycles, end_in_words, faults_data
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
-from safeloc.assurance.evidence.interval import holds_truth
+from safeloc.assurance.evidence.top_event import top_event
 from safeloc.assurance.law_ids import ids_of
 from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import out, print_json
@@ -22,6 +22,9 @@ from safeloc.cli.show import EXIT_CODES, Progressing
 from safeloc.proof.cores.clauses import laws
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.fault_tree import fault_tree
+
+_HARMLESS = ("contained", "no hazard")
+"""End effects of clauses whose breach does no harm."""
 
 
 def faults(
@@ -43,15 +46,16 @@ def faults(
     fresh: FreshOption = False,
     as_json: Annotated[bool, typer.Option("--json", help=f"print JSON only (schema {SCHEMA})")] = False,
 ) -> None:
-    """Break every clause of the world, and report the effect on each claim and on the reported interval.
+    """Break every clause of the world, and report the effect on each claim, on the reported interval and on the declared hazard.
 
     Exit code 0: everything was decided; 3: something is undecided within the limits.
     """
     loaded = load_target(target, config)
-    if order > 1 and holds_truth(loaded) is None:
-        raise typer.BadParameter(f"{loaded.name} reports no interval; give --order 1.")
+    top = top_event(loaded)
+    if order > 1 and not top:
+        raise typer.BadParameter(f"{loaded.name} reports no interval and declares no hazard; give --order 1.")
     effects = _broken(loaded, order, Limits(seconds=seconds), jobs, cache, fresh=fresh, quiet=as_json)
-    sets, numbers = cut_sets(effects), ids_of(loaded)
+    sets, numbers = cut_sets(top, effects), ids_of(loaded)
     if open_psa is not None:
         open_psa.write_text(to_open_psa(loaded.name, sets, numbers), encoding="utf-8")
     if picture is not None:
@@ -79,7 +83,7 @@ def _broken(
 def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator[str]:
     numbers, declared = ids_of(target), laws(target.system)
     for one in effects:
-        if len(one.broken) > 1 and one.end == "contained":
+        if len(one.broken) > 1 and one.end in _HARMLESS:
             continue
         owners = {declared[clause].owner or "nobody" for clause in one.broken}
         yield f"{' and '.join(numbers[clause] for clause in one.broken)}  {' and '.join(clause.name for clause in one.broken)}"
@@ -89,22 +93,22 @@ def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator
             yield f"    claims lost   {lost or 'none'}" + (
                 f"; not decided: {', '.join(one.open_)}" if one.open_ else ""
             )
-        yield f"    end effect    {end_in_words(one)}"
+        yield f"    end effect    {end_in_words(target, one)}"
         if one.withdrawn_by:
             yield f"    withdrawn by  {', '.join(one.withdrawn_by)}"
     pairs = [one for one in effects if len(one.broken) > 1]
     if pairs:
-        kept = sum(one.end == "contained" for one in pairs)
+        kept = sum(one.end in _HARMLESS for one in pairs)
         yield f"{kept} of {len(pairs)} pairs of harmless clauses do no harm together either"
     yield from _cut_set_lines(target, sets)
 
 
 def _cut_set_lines(target: Target, sets: CutSets) -> Iterator[str]:
-    if holds_truth(target) is None:
+    if not sets.top:
         return
     numbers = ids_of(target)
     found = ["+".join(numbers[clause] for clause in one) for one in sets.found]
-    yield f"minimal cut sets of {TOP!r}: {', '.join(found) or 'none'}"
+    yield f"minimal cut sets of {sets.top!r}: {', '.join(found) or 'none'}"
     if sets.undecided:
         open_ = ["+".join(numbers[clause] for clause in one) for one in sets.undecided]
         yield f"not decided: {', '.join(open_)}"

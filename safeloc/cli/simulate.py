@@ -12,6 +12,7 @@ from safeloc.cli.console import err, out
 from safeloc.errors import InputError
 from safeloc.railway.map.toml_files import shipped_lines
 from safeloc.runtime.streams.steps import write_steps
+from safeloc.simulated import first_values
 
 
 def simulate(
@@ -20,7 +21,10 @@ def simulate(
     ],
     where: Annotated[
         Path | None,
-        typer.Option("--out", help="stream to write (.jsonl, .jsonl.gz, .csv, .parquet); of a line: folder"),
+        typer.Option(
+            "--out",
+            help="stream to write (.jsonl, .jsonl.gz, .csv, .parquet), in place of an older one; of a line: folder",
+        ),
     ] = None,
     config: Annotated[
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
@@ -78,7 +82,7 @@ def _is_line(target: str) -> bool:
 def _machine(target: str, where: Path, config: Path | None, of_lines: list[str], seed: int) -> None:
     if of_lines:
         raise typer.BadParameter(f"{', '.join(of_lines)} is for lines, and {target!r} is no line.")
-    loaded = load_target(target, config)
+    loaded = load_target(target, config, with_recordings=False)
     if loaded.simulate is None:
         able = [name for name in ENTRIES if load_target(name).simulate is not None]
         own = (
@@ -87,9 +91,9 @@ def _machine(target: str, where: Path, config: Path | None, of_lines: list[str],
             else ""
         )
         raise InputError(f"{loaded.name} has no simulation{own}; these machines have one: {', '.join(able)}.")
-    steps = loaded.simulate(seed)
+    steps, replaced = loaded.simulate(seed), " (replaced)" if where.exists() else ""
     try:
-        write_steps(where, steps, machine=loaded.name)
+        write_steps(where, steps, machine=loaded.name, first=first_values(steps))
     except OSError as error:
         raise InputError(f"{where}: cannot be written: {error}") from error
-    err.print(f"{len(steps)} steps: {where}", markup=False)
+    err.print(f"{len(steps)} steps: {where}{replaced}", markup=False)

@@ -1,4 +1,4 @@
-"""What the line and the window of `safeloc step` share: how commands are read, and how transitions are told."""
+"""Code that the line and the window of `safeloc step` share: it reads commands and describes transitions."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ import typer
 from safeloc.catalogue import sources_of
 from safeloc.cli.console import err, out
 from safeloc.language.verdict import SHOWN, WORST_FIRST
-from safeloc.report.told import told_of
+from safeloc.report.verdict_words import told_of
 
 WatchOption = Annotated[bool, typer.Option("--watch", help="run again whenever a file is saved, until Ctrl-C")]
 PACKAGE = Path(__file__).parents[1]

@@ -68,11 +68,12 @@ def _dot(text: str) -> str:
 
 # ------------------------------------------------------------------ SVG
 
-_BOX_WIDTH, _BOX_HEIGHT, _LINE = 150, 40, 15
+_BOX_WIDTH, _BOX_HEIGHT, _LINE, _MARGIN = 150, 40, 15, 20
 _STYLE = """
 .mode { fill: var(--box, #f4f7fb); stroke: #35618e; stroke-width: 1.6 }
 .first { stroke-width: 3 }
 .edge { fill: none; stroke: #6d7a88; stroke-width: 1.3 }
+.tip { fill: #6d7a88 }
 text { font: 12px system-ui, sans-serif; fill: var(--ink, #1c2733) }
 .name { font-weight: 600; text-anchor: middle }
 .label { font-size: 11px }
@@ -93,19 +94,33 @@ def to_svg(machine: Machine) -> str:
     between = {pair: [number[n] for n in names] for pair, names in edges(machine).items()}
     legend = [f"{index}  {name}" for name, index in number.items()]
     gap = 130
+    column = _BOX_WIDTH / 2 + max(255, _width_beside(between, labels, side=-1) + _MARGIN)
+    beside = column + _BOX_WIDTH / 2 + max(255, _width_beside(between, labels, side=1) + _MARGIN)
     height = max(len(labels) * gap + 20, len(legend) * _LINE + 60)
-    places = {label: _Place(330, 60 + index * gap) for index, label in enumerate(labels)}
+    places = {label: _Place(column, 60 + index * gap) for index, label in enumerate(labels)}
     body = [_arrow_edge(places, labels, pair, numbers) for pair, numbers in between.items()]
     body += [_box(places[label], label, label == labels[0]) for label in labels]
-    body += [_text(660, 40 + index * _LINE, line, "label legend") for index, line in enumerate(legend)]
-    width = 680 + max((len(line) for line in legend), default=0) * 6.2
+    body += [_text(beside, 40 + index * _LINE, line, "label legend") for index, line in enumerate(legend)]
+    width = beside + 20 + max((len(line) for line in legend), default=0) * 6.2
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height}" width="{width:.0f}" height="{height}" '
         f'role="img" aria-label="state diagram of {html.escape(machine.name)}"><style>{_STYLE}</style>'
-        '<defs><marker id="tip" viewBox="0 0 8 8" refX="7" refY="4" markerUnits="userSpaceOnUse" markerWidth="10" markerHeight="10" orient="auto">'
-        '<path d="M0 0L8 4L0 8z" fill="#6d7a88"/></marker></defs>'
         f"{''.join(body)}</svg>"
     )
+
+
+def _width_beside(between: dict[tuple[str, str], list[int]], labels: list[str], *, side: int) -> float:
+    """Return how far arcs and their numbers reach beyond the boxes: those downwards at the right (1), upwards at the left (-1)."""
+    spans = {pair: side * (labels.index(pair[1]) - labels.index(pair[0])) for pair in between}
+    return max(
+        (0.76 * _reach(span) + _label_width(_shown(between[pair])) for pair, span in spans.items() if span > 1),
+        default=0,
+    )
+
+
+def _reach(span: int) -> int:
+    """Return how far the control points of an arc over so many modes stand from the boxes."""
+    return 40 + 46 * abs(span)
 
 
 def _box(place: _Place, label: str, first: bool) -> str:
@@ -122,30 +137,52 @@ def _text(x: float, y: float, text: str, kind: str) -> str:
 def _arrow_edge(places: dict[str, _Place], labels: list[str], pair: tuple[str, str], numbers: list[int]) -> str:
     """Draw one edge: a downward edge bulges to the right, an upward one to the left, a self-loop is a small arc at the right."""
     source, target = places[pair[0]], places[pair[1]]
-    shown = ", ".join(map(str, numbers))
+    shown = _shown(numbers)
     if pair[0] == pair[1]:
         x, y = source.x + _BOX_WIDTH / 2, source.y
         path = f"M{x} {y - 10} C{x + 46} {y - 30} {x + 46} {y + 30} {x} {y + 10}"
-        return _edge(path, pair) + _text(x + 42, y + 4, shown, "label halo")
+        return _edge(path, pair, _Place(x + 46, y + 30), _Place(x, y + 10)) + _text(x + 42, y + 4, shown, "label halo")
     span = labels.index(pair[1]) - labels.index(pair[0])
     side = 1 if span > 0 else -1
-    reach = 40 + 46 * abs(span)
+    reach = _reach(span)
     x1, x2 = source.x + side * _BOX_WIDTH / 2, target.x + side * _BOX_WIDTH / 2
     y1, y2 = source.y + side * 14, target.y - side * 14
     if abs(span) == 1:
         shift = side * 34
-        path = f"M{source.x + shift} {source.y + side * 20} L{target.x + shift} {target.y - side * 20}"
+        start, end = _Place(source.x + shift, source.y + side * 20), _Place(target.x + shift, target.y - side * 20)
+        path = f"M{start.x} {start.y} L{end.x} {end.y}"
         middle = _Place(source.x + shift + side * 8, (source.y + target.y) / 2 + 4)
     else:
-        path = f"M{x1} {y1} C{x1 + side * reach} {y1} {x2 + side * reach} {y2} {x2} {y2}"
+        start, end = _Place(x2 + side * reach, y2), _Place(x2, y2)
+        path = f"M{x1} {y1} C{x1 + side * reach} {y1} {start.x} {start.y} {end.x} {end.y}"
         middle = _Place(x1 + side * reach * 0.76, (y1 + y2) / 2 + 4)
-    return _edge(path, pair) + _label(middle, shown, side)
+    return _edge(path, pair, start, end) + _label(middle, shown, side)
 
 
 def _label(place: _Place, shown: str, side: int) -> str:
-    width = math.ceil(len(shown) * 5.8)
-    return _text(place.x if side > 0 else place.x - width, place.y, shown, "label halo")
+    return _text(place.x if side > 0 else place.x - _label_width(shown), place.y, shown, "label halo")
 
 
-def _edge(path: str, pair: tuple[str, str]) -> str:
-    return f'<path class="edge" data-from="{html.escape(pair[0])}" data-to="{html.escape(pair[1])}" d="{path}" marker-end="url(#tip)"/>'
+def _shown(numbers: list[int]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _label_width(shown: str) -> int:
+    return math.ceil(len(shown) * 5.8)
+
+
+def _edge(path: str, pair: tuple[str, str], before: _Place, end: _Place) -> str:
+    """Return an edge that arrives at `end` from the direction of `before`, with its tip."""
+    line = f'<path class="edge" data-from="{html.escape(pair[0])}" data-to="{html.escape(pair[1])}" d="{path}"/>'
+    return line + _tip(before, end)
+
+
+def _tip(before: _Place, end: _Place) -> str:
+    """Return the tip of an arrow. It is drawn, not a marker: a marker needs an id, and a page has many diagrams."""
+    length, half_width = 10, 5
+    away = math.hypot(end.x - before.x, end.y - before.y)
+    along_x, along_y = (end.x - before.x) / away, (end.y - before.y) / away
+    x, y = end.x - length * along_x, end.y - length * along_y
+    left = f"{x - half_width * along_y:.1f} {y + half_width * along_x:.1f}"
+    right = f"{x + half_width * along_y:.1f} {y - half_width * along_x:.1f}"
+    return f'<path class="tip" d="M{left} L{end.x} {end.y} L{right} z"/>'

@@ -1,4 +1,5 @@
-"""What a JavaScript machine needs to explain a step: guards, named terms, laws and claims as terms that it evaluates and writes.
+"""The parts by which a JavaScript machine explains a step: guards, named terms, laws and claims, as terms that it
+evaluates and writes.
 
 A term is stored once, as a list of its kind and of the places of its operands; machine_terms.js evaluates it, writes it, and takes
 it apart. Guards are the machine's own, over its own variables. In a composition a wired input therefore leads to a term of the

@@ -24,12 +24,12 @@ from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import variables
 from safeloc.language.units import Enumeration
+from safeloc.proof.drawn_runs.lawful import Repair, first_state
+from safeloc.proof.drawn_runs.profiles import PLAUSIBLE, Profile
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import queries
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, inductive_beside
-from safeloc.proof.runs.lawful import Repair, first_state
-from safeloc.proof.runs.profiles import PLAUSIBLE, Profile
 
 _RUNS, _STEPS, _STRETCH = 12, 60, 12
 _MOST_PAIRS = 24
@@ -42,7 +42,8 @@ State = dict[Var, Value]
 
 @dataclass(frozen=True)
 class Tried:
-    """How many candidates held in the drawn runs, how many of these are inductive together, and those that prove the property.
+    """Counts of candidates: those that held in the drawn runs, those of them that are inductive together, and those that
+    prove the property.
 
     needed  None if the property is not proved with them either
     """

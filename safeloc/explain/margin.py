@@ -1,4 +1,4 @@
-"""How near a run comes to violating a property: the least margin of the inequalities in its term."""
+"""The distance of a run from violating a property: the least margin of the inequalities in its term."""
 
 from __future__ import annotations
 

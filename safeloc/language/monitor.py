@@ -109,7 +109,7 @@ Evaluator = Callable[[Mapping[Var, Value]], Sequence[Value]]
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What `Checks` sees at one state of a run.
+    """The view that `Checks` has of one state of a run.
 
     values  whether each property holds, in order, and then whether each of their cases happens
     kept    whether the step into the state kept the assumption of each property

@@ -359,7 +359,7 @@ class _Observer:
 
 @dataclass(frozen=True, eq=False)
 class StepReading:
-    """How the terms of a property are read in one step.
+    """The reading of a property's terms in one step.
 
     system  the system with a variable for each past operator, under the assumption of the property
     of      each term of trigger and response -> the same over state before the step and inputs, all of `system`

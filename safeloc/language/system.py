@@ -34,7 +34,7 @@ from safeloc.language.first_values import ANY, Initial
 from safeloc.language.machine import Machine
 from safeloc.language.nodes import ChooseBool
 from safeloc.language.renamed import hint
-from safeloc.language.terms import Sharing, Substitution, conjuncts, variables
+from safeloc.language.terms import Sharing, Substitution, conjuncts, numeric, variables
 from safeloc.language.transition_table import Transition
 from safeloc.language.units import Enumeration
 
@@ -146,7 +146,7 @@ def lower(machine: Machine) -> TransitionSystem:
         next={var: share(term) for var, term in moved.items()},
         assume=share.bool(machine.world.assumption),
         outputs={name: share(term) for name, term in machine.outputs.items()},
-        fired={machine.fired_name: share.num(_as_num(_chain(guards, index, Lit(0, fired))))},
+        fired={machine.fired_name: share.num(numeric(_chain(guards, index, Lit(0, fired))))},
         lemmas={name: share.bool(term) for name, term in machine.lemmas.items()},
         ghosts=frozenset(machine.world.variables),
         initial=initial,
@@ -175,11 +175,6 @@ def _chain(guards: Mapping[Transition, Bool], values: Mapping[Transition, Expr |
             then_ = as_bool(value if isinstance(value, (Bool, bool)) else False)
             result = ChooseBool(guards[t], then_, as_bool(result if isinstance(result, Bool) else False))
     return result
-
-
-def _as_num(term: Expr) -> Num:
-    assert isinstance(term, Num)
-    return term
 
 
 def _initial_terms(initial: Mapping[Var, Initial]) -> list[Bool]:

@@ -154,11 +154,11 @@ class Sharing:
 
     def num(self, term: Num) -> Num:
         """Return the numeric term with equal parts shared."""
-        return _n(self(term))
+        return numeric(self(term))
 
     def bool(self, term: Bool) -> Bool:
         """Return the truth-valued term with equal parts shared."""
-        return _b(self(term))
+        return logical(self(term))
 
 
 def alike(left: Expr, right: Expr) -> bool:
@@ -205,35 +205,37 @@ def rebuilt(node: Node, parts: tuple[Expr, ...]) -> Expr:
         return node
     match node:
         case Choose():
-            return Choose(_b(parts[0]), _n(parts[1]), _n(parts[2]), node.unit)
+            return Choose(logical(parts[0]), numeric(parts[1]), numeric(parts[2]), node.unit)
         case And():
-            return all_of(_b(part) for part in parts)
+            return all_of(logical(part) for part in parts)
         case Compare(op, _, _):
-            return Compare(op, _n(parts[0]), _n(parts[1]))
+            return Compare(op, numeric(parts[0]), numeric(parts[1]))
         case ChooseBool():
-            return ChooseBool(_b(parts[0]), _b(parts[1]), _b(parts[2]))
+            return ChooseBool(logical(parts[0]), logical(parts[1]), logical(parts[2]))
         case Add() | Sub() | Max() | Min() | Mul():
-            return type(node)(_n(parts[0]), _n(parts[1]), node.unit)
+            return type(node)(numeric(parts[0]), numeric(parts[1]), node.unit)
         case Or():
-            return any_of(_b(part) for part in parts)
+            return any_of(logical(part) for part in parts)
         case Not():
-            return ~_b(parts[0])
+            return ~logical(parts[0])
         case FloorDiv(_, divisor, unit):
-            return FloorDiv(_n(parts[0]), divisor, unit)
+            return FloorDiv(numeric(parts[0]), divisor, unit)
         case Past(op, _):
-            return Past(op, tuple(_b(part) for part in parts))
+            return Past(op, tuple(logical(part) for part in parts))
         case Lit() | NumVar() | Truth() | BoolVar():
             return node
         case _:
             assert_never(node)
 
 
-def _n(term: Expr) -> Num:
+def numeric(term: Expr) -> Num:
+    """Return the term itself, which has to be a number."""
     assert isinstance(term, Num)
     return term
 
 
-def _b(term: Expr) -> Bool:
+def logical(term: Expr) -> Bool:
+    """Return the term itself, which has to be a truth value."""
     assert isinstance(term, Bool)
     return term
 

@@ -83,7 +83,7 @@ class Unknown(_NoTruth):
 
     @property
     def searched(self) -> str:
-        """How far runs were searched, in words."""
+        """The length up to which runs were searched, in words."""
         return "no runs searched" if self.depth < 0 else f"all runs of up to {self.depth} steps searched"
 
 

@@ -13,9 +13,9 @@ from safeloc.codegen.fmu import to_fmu
 from safeloc.codegen.javascript import javascript, on_board
 from safeloc.language.expr import Bool
 from safeloc.language.system import TransitionSystem, without_ghosts
+from safeloc.proof.drawn_runs.lawful import first_state
+from safeloc.proof.drawn_runs.sampled import sampled_runs
 from safeloc.proof.provers.lasting import lasting
-from safeloc.proof.runs.lawful import first_state
-from safeloc.proof.runs.sampled import sampled_runs
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.target import Target
 

@@ -3,7 +3,7 @@
     TestOdometer = state_machine_test(system, properties)     a unittest class for pytest
     run_tests(system, properties, ...) -> list[Finding]       the same, for the command line and the report
 
-Hypothesis draws only rules (safeloc.proof.runs.profiles), lengths and seeds, since it would need nearly all the time to draw every
+Hypothesis draws only rules (safeloc.proof.drawn_runs.profiles), lengths and seeds, since it would need nearly all the time to draw every
 value. Half of the runs satisfy the assumption to the end; the others have faulty stretches. `target()` steers runs towards a
 violation of each property. A run that breaks one is shortened by exact replays, not by Hypothesis.
 """
@@ -32,10 +32,10 @@ from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Held, Result, Unknown, Vacuous, Violated
+from safeloc.proof.drawn_runs.driver import Driver, Statistics
+from safeloc.proof.drawn_runs.lawful import NoFirstStateError, begins
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE
 from safeloc.proof.results import Finding
-from safeloc.proof.runs.driver import Driver, Statistics
-from safeloc.proof.runs.lawful import NoFirstStateError, begins
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE
 
 STRETCHES = 8
 PHASES = (Phase.explicit, Phase.generate, Phase.target)

@@ -1,4 +1,4 @@
-"""What changed between two reports: verdicts, claims, laws, figures, and what they were made with."""
+"""Differences between two reports: verdicts, claims, laws, figures, versions and options."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from safeloc.assurance.law_figures import FROM_MEMORY, Figure, figures_named, to_confirm
 from safeloc.assurance.register import NOBODY
+from safeloc.language.verdict import SHOWN
 
 _Data = Mapping[str, Any]
 
@@ -24,10 +25,22 @@ def conditions(machines: Sequence[_Data]) -> dict[str, list[dict[str, Any]]]:
         named = figures(law, machine, part)
         key = json.dumps([law["id"], law["name"], law["terms"], law["parts"], named])
         one = laws.setdefault(
-            key, {**law, **_to_confirm(law, named), "part": part["name"], "targets": [], "needed_by": [], "seen": {}}
+            key,
+            {
+                **law,
+                **_to_confirm(law, named),
+                "part": part["name"],
+                "targets": [],
+                "needed_by": [],
+                "open_in": [],
+                "perhaps": [],
+                "seen": {},
+            },
         )
         one["targets"].append(machine["name"])
         one["needed_by"] += _needed_by(machine, law)
+        one["perhaps"] += _perhaps(machine)
+        one["open_in"] += [machine["name"]] if machine["evidence"] is None else []
         one["seen"].setdefault(law["observable"], []).append(machine["name"])
     every = ((machine["name"], _figure(one)) for machine in machines for one in machine["figures"])
     confirm = [asdict(one) for one in to_confirm(every)]
@@ -43,6 +56,8 @@ def counts(found: Mapping[str, Sequence[_Data]]) -> dict[str, int]:
         "assumptions": len(found["laws"]),
         "true_by_definition": sum(law["owner"] == NOBODY for law in found["laws"]),
         "without_owner_or_source": sum(not (law["owner"] and law["source"]) for law in found["laws"]),
+        "without_owner": sum(not law["owner"] for law in found["laws"]),
+        "without_source": sum(not law["source"] for law in found["laws"]),
         "figures_to_confirm": len(found["figures"]),
     }
 
@@ -98,6 +113,12 @@ def _within(place: str, section: str) -> str:
 def _needed_by(machine: _Data, law: _Data) -> list[str]:
     """Return the claims whose proof core has the law, if the report has cores."""
     return [f"{machine['name']}: {claim}" for claim, ids in needs(machine).items() if law["id"] in ids]
+
+
+def _perhaps(machine: _Data) -> list[str]:
+    """Return the claims that are proved and have no proof core: they may need every law of their target."""
+    cores = [] if machine["evidence"] is None else machine["evidence"]["cores"]
+    return [f"{machine['name']}: {one['claim']}" for one in cores if one["why_none"] not in ("", SHOWN)]
 
 
 def needs(machine: _Data) -> dict[str, list[str]]:

@@ -24,7 +24,7 @@ from safeloc.proof.cache.engine import source_digest
 from safeloc.proof.results import Finding
 from safeloc.report.conditions import conditions, counts
 from safeloc.report.machines import machine_data
-from safeloc.report.told import requirement_verdict
+from safeloc.report.verdict_words import requirement_verdict
 
 SCHEMA = "safeloc-report/5"
 _SCHEMA_FILE = Path(__file__).with_name("report.schema.json")

@@ -1,4 +1,6 @@
-"""Where to begin: the runs to which the page leads somebody who wants to understand a counterexample, or to drive a machine by hand."""
+"""First steps for a reader of the page: the runs that it offers to understand a counterexample, or to drive a machine by
+hand.
+"""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ Terms are written in full (safeloc.report.exact), so that a reader can see exact
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -17,11 +17,12 @@ from safeloc.config import figures
 from safeloc.language.checks.machine import input_variables, read_of_machine
 from safeloc.language.digest import declaration_digest, full_digest
 from safeloc.language.machine import Any_, Machine, Transition
-from safeloc.language.nodes import And, Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
+from safeloc.language.nodes import Bool, Expr, Lit, Num, NumVar, Truth, Value, Var
 from safeloc.language.ranges import bounds
 from safeloc.language.render import infix
+from safeloc.language.spec import Property
 from safeloc.language.system import without_ghosts
-from safeloc.language.terms import Sharing
+from safeloc.language.terms import Sharing, conjuncts
 from safeloc.language.units import Enumeration
 from safeloc.report.declared import declarations, place
 from safeloc.report.exact import Exact, spelled_alone
@@ -49,7 +50,27 @@ def machine_data(target: Target) -> dict[str, Any]:
             {"section": target.sections.get(machine.name, machine.name), **_part(machine, assumed)}
             for machine in target.machines
         ],
+        "formulas": {
+            prop.name: _formula(target, prop) for prop in target.properties if prop.statement in ("", prop.name)
+        },
         "declared": declarations(target),
+    }
+
+
+def _formula(target: Target, prop: Property) -> dict[str, Any]:
+    """Return what a property requires, term by term, for a property that is not stated in words."""
+    named = {name: term for machine in target.machines for name, term in machine.definitions.items()}
+    required = {"always": prop.term, "within": prop.response, "reachable": prop.term}[prop.kind]
+    before = [prop.term] if prop.kind == "within" else []
+    terms, lines = spelled_alone([*before, *conjuncts(required)], named if len(target.machines) == 1 else {})
+    words = {
+        "always": ["always"] * len(terms),
+        "within": ["whenever", *[f"within {prop.steps} steps"] * (len(terms) - 1)],
+        "reachable": ["in some run"] * len(terms),
+    }[prop.kind]
+    return {
+        "terms": [f"{word}: {term}" for word, term in zip(words, terms, strict=True)],
+        "parts": [asdict(line) for line in lines],
     }
 
 
@@ -98,7 +119,7 @@ def _clauses(machine: Machine, assumed: _Assumed) -> Iterator[dict[str, Any]]:
     """Yield every law of the world with its term in parts, its owner, and the values of the machine that it reads."""
     read = read_of_machine(machine)
     for name, law in machine.world.laws.items():
-        terms, lines = spelled_alone(_conjuncts(law.term), machine.definitions)
+        terms, lines = spelled_alone(list(conjuncts(law.term)), machine.definitions)
         one = assumed[machine.name, name]
         yield {
             "id": one.id,
@@ -115,10 +136,6 @@ def _clauses(machine: Machine, assumed: _Assumed) -> Iterator[dict[str, Any]]:
             "declared": place(law.src) if law.src else "",
             "reads": [var.name for var in read.get(f"clause {name!r}", ())],
         }
-
-
-def _conjuncts(term: Bool) -> Sequence[Expr]:
-    return term.parts if isinstance(term, And) else (term,)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""How a report was made: the command, its limits and seed, and the commit of the folder in which it ran."""
+"""The making of a report: the command, its limits and seed, and the commit of the folder in which it ran."""
 
 from __future__ import annotations
 

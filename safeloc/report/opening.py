@@ -28,7 +28,7 @@ _MOST_NAMED = 5
 
 @dataclass(frozen=True)
 class Found:
-    """What a word stands for: a page that is there, or one that is to be written.
+    """The page that a word stands for: one that is there, or one that is to be written.
 
     page   the page that is there; None if there is none yet
     text   the text of the page that is to be written

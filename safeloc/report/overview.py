@@ -1,4 +1,4 @@
-"""What the search of the report's page looks through: every result, requirement, assumption and transition, in one script.
+"""Data for the search of the report's page: every result, requirement, assumption and transition, in one script.
 
 Words that occur in many rows are kept once: a row names them by number.
 """
@@ -11,7 +11,7 @@ from typing import Any
 
 from safeloc.report.conditions import needs
 from safeloc.report.links import Links, anchor
-from safeloc.report.told import requirement_verdict, told_of
+from safeloc.report.verdict_words import requirement_verdict, told_of
 from safeloc.runtime.scripts import script
 
 RESULTS = "results.js"

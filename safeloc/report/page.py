@@ -30,8 +30,8 @@ from safeloc.report.links import Links, anchor, linked
 from safeloc.report.margins import first_page_row, margins_shown
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
-from safeloc.report.told import requirement_lines, told_of
 from safeloc.report.traces import trace_charts, trace_rows
+from safeloc.report.verdict_words import requirement_lines, told_of
 from safeloc.runtime.scripts import script
 
 _HERE = Path(__file__).parent
@@ -255,7 +255,14 @@ def _machine(
         "sources": links.sources(machine, elsewhere),
         "packed": links.packed(machine["name"]),
         "needs": needs(machine),
+        "own": _is_own(machine),
+        "formulas": machine.get("formulas", {}),
     }
+
+
+def _is_own(machine: _Data) -> bool:
+    """Return whether a machine is of the user's own: of `file.py:name` or `package.module:name`."""
+    return ":" in machine["spec"]
 
 
 def _rests(evidence: _Data | None) -> dict[str, Any] | None:
@@ -316,7 +323,7 @@ def _requirements(data: _Data, links: Links) -> dict[str, Any]:
     return {
         "rows": [_requirement(row, [results[name] for name in row["results"]], links) for row in rows],
         "known": {row["id"] for row in rows},
-        "others": len(data["requirements"]) - len(rows),
+        "others": 0 if all(map(_is_own, data["machines"])) else len(data["requirements"]) - len(rows),
     }
 
 

@@ -18,10 +18,10 @@ from markupsafe import Markup
 from safeloc.codegen.javascript import common, javascript, on_board
 from safeloc.errors import InputError
 from safeloc.explain.pytest_file import run_file_pieces
-from safeloc.proof.runs.lawful import first_state
+from safeloc.proof.drawn_runs.lawful import first_state
 from safeloc.report.file_names import file_names
 from safeloc.report.links import Links
-from safeloc.report.told import told_of
+from safeloc.report.verdict_words import told_of
 from safeloc.runtime.scripts import script
 from safeloc.target import Target
 

@@ -28,7 +28,7 @@ _BODY = {"source": str, "destination": str, "session": str, "number": int, "time
 
 
 class Refusal(Enum):
-    """Why a message is refused, with the threats of EN 50159 that it counters."""
+    """The reason for refusing a message, with the threats of EN 50159 that the refusal counters."""
 
     CHANGED = "its code does not fit: it was changed on the way, or made without the key"  # corruption, masquerade
     FOREIGN = "it is of another source, or for another destination"  # insertion

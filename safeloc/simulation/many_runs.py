@@ -42,7 +42,7 @@ class DrawnFigure:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """What was drawn of each vehicle: figures (name -> array [vehicle]) and faults."""
+    """The draws of each vehicle: figures (name -> array [vehicle]) and faults."""
 
     vehicles: int
     figures: Mapping[str, NDArray[np.float64]]

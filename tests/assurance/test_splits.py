@@ -33,7 +33,7 @@ from safeloc.models.emitter.variables import EmitterConfig
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.satellite_selection.variables import SelectionConfig
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Entry
 
 FOLDERS = list(dict.fromkeys(map(folder_of, ENTRIES)))

@@ -14,7 +14,7 @@ from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Program, localizer_program
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import LineCutter
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 
 def told(program: Program, machine: str, period_ms: int, cycles: int) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from safeloc.assurance.evidence import fault_work
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.catalogue import Target
 from safeloc.proof.cores.clauses import ClauseId
-from tests.cli.calling import DOOR, Call
+from tests.cli.calling import DOOR, DOOR_FILE, Call
 
 KEPT = "cache"
 
@@ -27,7 +27,7 @@ def test_cores_as_lines_and_as_data(call: Call) -> None:
     told = call("cores", "transmission", "--cache", KEPT)
     assert 0 == told.code
     assert "containment: 1-induction\n    clauses: a position that is sent holds the truth" in told.out
-    assert "clauses that no proof needs: " in told.out
+    assert "clauses that no claim needs (obligations, such as ranges, may need them): " in told.out
     data = json.loads(call("cores", "transmission", "--cache", KEPT, "--json").out)
     assert ("safeloc-cores/1", "transmission") == (data["schema"], data["target"])
     [one] = [core for core in data["cores"] if core["claim"] == "containment"]
@@ -38,7 +38,7 @@ def test_cores_of_one_property(call: Call) -> None:
     """What no claim needs is not told then: not all were asked."""
     told = call("cores", "transmission", "--property", "containment", "--cache", KEPT)
     assert told.out.startswith("containment")
-    assert "no proof needs" not in told.out
+    assert "no claim needs" not in told.out
     assert told.out.endswith("\n1 claim\n")
     wrong = call("cores", "transmission", "--property", "contain")
     assert 2 == wrong.code
@@ -64,14 +64,33 @@ def test_faults_as_lines_data_model_and_picture(call: Call) -> None:
 
 @pytest.mark.thorough
 def test_faults_of_a_machine_without_an_interval(call: Call) -> None:
-    """Claims are told; order 2 asks of an interval."""
-    told = call("faults", "turn_off", "--cache", KEPT)
+    """The end effect is its hazard, and so is the top event of the cut sets."""
+    told = call("faults", "turn_off", "--order", "2", "--cache", KEPT)
     assert 0 == told.code
-    assert "    end effect    none: the target reports no interval" in told.out
-    assert "minimal cut sets" not in told.out
-    wrong = call("faults", "turn_off", "--order", "2")
+    assert (
+        "    end effect    a false course through a switch is reported; shortest run: 3 cycles, ends with" in told.out
+    )
+    assert "minimal cut sets of 'a false course through a switch is reported': turn_off/A1, " in told.out
+
+
+def test_order_two_asks_of_an_interval_or_a_hazard(call: Call) -> None:
+    """A machine of one's own that declares neither is told so."""
+    wrong = call("faults", DOOR, "--order", "2")
     assert 2 == wrong.code
-    assert "turn_off reports no interval" in " ".join(wrong.err.replace("│", " ").split())
+    assert "reports no interval and declares no hazard" in " ".join(wrong.err.replace("│", " ").split())
+
+
+def test_a_machine_of_ones_own_declares_its_hazard(call: Call, tmp_path: Path) -> None:
+    """With the name of a property beside it; anything else of that name is refused, with what is expected."""
+    text = DOOR_FILE.read_text(encoding="utf-8")
+    declared = 'from safeloc.target import Hazard\n\nhazard = Hazard("the door opens in front of nobody", ("*",))\n'
+    (tmp_path / "own.py").write_text(text + declared, encoding="utf-8")
+    told = call("faults", "own.py:machine", "--cache", KEPT)
+    assert "of 'the door opens in front of nobody'" in told.out
+    (tmp_path / "other.py").write_text(f'{text}hazard = "it opens"\n', encoding="utf-8")
+    refused = call("faults", "other.py:machine")
+    assert 2 == refused.code
+    assert "other.hazard is 'it opens'" in refused.err and 'expected Hazard("what must not happen"' in refused.err
 
 
 def test_what_is_not_decided_is_the_exit_code(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,6 +50,14 @@ def test_recordings_of_one_machine_only(tmp_path: Path) -> None:
     assert ["run.jsonl"] == [path.name for path in target.streams]
 
 
+def test_a_recording_that_the_module_names_is_simulated(call: Call, tmp_path: Path) -> None:
+    """`simulate` makes the file that `recordings` already names; the second time it says that it replaces it."""
+    target = door(tmp_path, f"recordings = ['run.jsonl']\ndef simulate(seed):\n    return {STEPS}")
+    told = [call("simulate", target, "--out", str(tmp_path / "run.jsonl")) for _ in range(2)]
+    assert [0, 0] == [one.code for one in told]
+    assert [False, True] == ["(replaced)" in one.err for one in told]
+
+
 @pytest.mark.parametrize(
     ("more", "says"),
     [

@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.codegen.c99 import Run, to_c
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.proof.runs.sampled import drawn_run
+from safeloc.proof.drawn_runs.sampled import drawn_run
 
 needs_compiler = pytest.mark.skipif(
     not (shutil.which("cc") and shutil.which("make")), reason="needs a C compiler called cc, and make"

@@ -30,10 +30,10 @@ from safeloc.language.machine import STAY_NAME
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import present_inputs
-from safeloc.proof.runs.lawful import Repair, first_state
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
-from safeloc.proof.runs.sampled import recorded_run
-from safeloc.shipped import ENTRIES
+from safeloc.proof.drawn_runs.lawful import Repair, first_state
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
+from safeloc.proof.drawn_runs.sampled import recorded_run
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.codegen import in_node
 from tests.codegen.explained import broken, explained

@@ -24,8 +24,8 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import INT64_MAX, INT64_MIN
 from safeloc.language.system import TransitionSystem, canonical, lower, without_ghosts
 from safeloc.language.units import COUNT, MM
-from safeloc.proof.runs.sampled import drawn_run, sampled_runs
-from safeloc.shipped import ENTRIES
+from safeloc.proof.drawn_runs.sampled import drawn_run, sampled_runs
+from safeloc.shipped_machines import ENTRIES
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.test_batch import (
     ODOMETER,

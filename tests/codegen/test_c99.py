@@ -22,8 +22,8 @@ from safeloc.language.nodes import INT64_MAX, INT64_MIN, Past, Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT, MM, ONE
-from safeloc.proof.runs.sampled import sampled_runs
-from safeloc.shipped import ENTRIES
+from safeloc.proof.drawn_runs.sampled import sampled_runs
+from safeloc.shipped_machines import ENTRIES
 from tests.codegen.c_folder import exported, make, needs_compiler, replaced, runs_of
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, streams

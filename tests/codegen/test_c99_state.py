@@ -19,9 +19,9 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import MM
+from safeloc.proof.drawn_runs.sampled import drawn_run
 from safeloc.proof.provers.lasting import lasting
-from safeloc.proof.runs.sampled import drawn_run
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from tests.codegen.c_folder import make, needs_compiler, runs_of, written
 
 pytestmark = needs_compiler

@@ -125,6 +125,55 @@ def test_svg_texts_stay_inside(machine: Machine) -> None:
         assert 0 <= float(one.get("y") or -1) < height
 
 
+def corners(path: ElementTree.Element) -> list[tuple[float, float]]:
+    """Return the points of a path: ends and control points."""
+    figures = list(map(float, re.findall(r"-?[\d.]+", path.get("d") or "")))
+    return list(zip(figures[::2], figures[1::2], strict=True))
+
+
+def curve(path: ElementTree.Element) -> list[tuple[float, float]]:
+    """Return places along an edge, a line or a cubic curve, from its beginning to its end."""
+    points = corners(path)
+    if len(points) == 2:
+        return points
+    weights = [((1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t * t * (1 - t), t**3) for t in (n / 20 for n in range(21))]
+    return [
+        (
+            sum(weight * x for weight, (x, _) in zip(row, points, strict=True)),
+            sum(weight * y for weight, (_, y) in zip(row, points, strict=True)),
+        )
+        for row in weights
+    ]
+
+
+def many_modes() -> Machine:
+    """Nine modes, with transitions from the first to the last and back."""
+    table = modes(*(f"M{index}" for index in range(9)))
+    go = boolean("go")
+    rows = [Transition("down", table[0], table[8], go), Transition("up", table[8], table[0], go)]
+    return Machine(name="many", modes=table, inputs=[go], state={}, outputs={}, transitions=rows)
+
+
+@pytest.mark.parametrize("machine", [*MACHINES, many_modes()], ids=lambda machine: machine.name)
+def test_svg_edges_stay_inside(machine: Machine) -> None:
+    """No arc leaves the picture or runs through the legend, and each ends in the tip of its arrow."""
+    root = ElementTree.fromstring(to_svg(machine))
+    _, _, _, height = map(float, (root.get("viewBox") or "").split())
+    legend = min(float(one.get("x") or 0) for one in root.iter(f"{SVG}text") if "legend" in (one.get("class") or ""))
+    paths = list(root.iter(f"{SVG}path"))
+    for edge, tip in zip(paths[::2], paths[1::2], strict=True):
+        assert ["edge", "tip"] == [edge.get("class"), tip.get("class")]
+        assert corners(edge)[-1] == corners(tip)[1]
+        assert all(0 < x < legend and 0 < y < height for x, y in [*curve(edge), *corners(tip)])
+
+
+@every_machine
+def test_svg_has_no_ids(machine: Machine) -> None:
+    """A page holds many pictures, and an id may stand only once in it."""
+    root = ElementTree.fromstring(to_svg(machine))
+    assert [one.tag for one in root.iter() if "id" in one.keys()] == []  # noqa: SIM118  (an Element is no dictionary)
+
+
 @given(machines())
 def test_random_machines(machine: Machine) -> None:
     """The same for any machine: three pictures and a table of one and the same transitions."""

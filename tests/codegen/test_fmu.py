@@ -14,9 +14,9 @@ from safeloc.codegen.c99_build import SUFFIX
 from safeloc.codegen.fmu import platform_tuple, to_fmu
 from safeloc.language.interpret import run
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.proof.runs.lawful import first_state
-from safeloc.proof.runs.sampled import drawn_run
-from safeloc.shipped import ENTRIES
+from safeloc.proof.drawn_runs.lawful import first_state
+from safeloc.proof.drawn_runs.sampled import drawn_run
+from safeloc.shipped_machines import ENTRIES
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.fmi_unit import loaded
 from tests.examples import EXAMPLES

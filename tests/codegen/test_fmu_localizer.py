@@ -16,10 +16,10 @@ from safeloc.language.interpret import run
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Step
-from safeloc.proof.runs.lawful import first_state
-from safeloc.proof.runs.sampled import drawn_run, recorded_run
+from safeloc.proof.drawn_runs.lawful import first_state
+from safeloc.proof.drawn_runs.sampled import drawn_run, recorded_run
 from safeloc.runtime.streams.gzipped import name_of
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import recorded
 from tests.codegen.c_folder import needs_compiler
 from tests.codegen.fmi_unit import Unit, loaded

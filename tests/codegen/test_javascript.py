@@ -48,11 +48,11 @@ from safeloc.language.spec import observe
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import COUNT, MM, ONE
 from safeloc.models.emitter import EmitterConfig
-from safeloc.proof.runs.lawful import first_state
-from safeloc.proof.runs.sampled import drawn_run, recorded_run
+from safeloc.proof.drawn_runs.lawful import first_state
+from safeloc.proof.drawn_runs.sampled import drawn_run, recorded_run
 from safeloc.proof.verification.replay import read_recording
 from safeloc.runtime.streams.steps import SCHEMA, write_steps
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.codegen.explained import broken, explained, part_told, unfolded_rows, without_wires
 from tests.codegen.in_node import Node, NodeError, as_json, expected, loaded, needs_node, node, state_told, told

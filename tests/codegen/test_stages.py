@@ -15,7 +15,7 @@ from safeloc.language.spec import always, observe, once, watch
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.terms import variables
 from safeloc.language.units import MM
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from tests.codegen.test_compiled import assert_same_run
 from tests.random_machines import Record, first_states, streams
 

@@ -13,7 +13,7 @@ from tests.edits.checkout import Checkout, Ran, edited
 from tests.edits.edit import Edit, drawn
 
 DRAWS = 60
-ENGINE = ("proof/provers", "proof/runs", "codegen", "proof/verification")
+ENGINE = ("proof/provers", "proof/drawn_runs", "codegen", "proof/verification")
 
 
 @dataclass(frozen=True)

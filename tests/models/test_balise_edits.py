@@ -87,7 +87,7 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
         Announcement, "record", lambda _a, right: replace(right, place=right.place + 10_000),
         "announced group 1 stays stored as announced"),
     "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
-    "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, "containment"),
+    "any distance admitted": (Odometer, "admitted", lambda o, _: o.measured.present, "containment"),
 }  # fmt: skip
 """Where, what, the wrong term, and the claim that notices."""
 

@@ -16,7 +16,7 @@ from safeloc.proof.provers.dead_ends import lasts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 SLOW = {
     "localizer",

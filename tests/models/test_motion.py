@@ -112,7 +112,7 @@ def _a_little_less(whole: Localizer) -> Mapping[str, Expr]:
 
 
 def _as_measured(whole: Localizer) -> Mapping[str, Expr]:
-    step = whole.motion.own.odometer.step
+    step = whole.motion.own.odometer.measured
     return {"odometer_mm": step.value, "odometer_mm.present": step.present}
 
 

@@ -24,16 +24,16 @@ def _term(kind: type, name: str, wrong: Callable[..., Num | Bool]) -> Edit:
 
 
 def _standing_up_to_a_metre(check: UnitCheck) -> Bool:
-    step = check.unit.step.value
-    return check.checked & check.odometer.step.value.eq(0) & (step <= 1_000) & (step >= -1_000)
+    step = check.unit.measured.value
+    return check.checked & check.odometer.measured.value.eq(0) & (step <= 1_000) & (step >= -1_000)
 
 
 def _standing_by_the_wheel_alone(check: UnitCheck) -> Bool:
-    return check.checked & check.odometer.step.value.eq(0)
+    return check.checked & check.odometer.measured.value.eq(0)
 
 
 def _standing_by_the_radar_alone(check: UnitCheck) -> Bool:
-    return check.checked & (check.unit.step.value <= 55) & (check.unit.step.value >= -55)
+    return check.checked & (check.unit.measured.value <= 55) & (check.unit.measured.value >= -55)
 
 
 def _half_blind(unit: Odometer) -> Num:

@@ -39,6 +39,6 @@ def test_what_the_vehicle_can_have_run(distance_mm: int | None, last_mm: int, ga
     """The greatest distance, and the greatest change for each cycle since the last distance, count as possible; 1 mm more does not."""
     one = odometer(WHEEL, LIMITS)
     values: dict[Var, Value] = {
-        one.step.present: distance_mm is not None, one.step.value: distance_mm or 0, one.last: last_mm, one.gap: gap_cycles
+        one.measured.present: distance_mm is not None, one.measured.value: distance_mm or 0, one.last: last_mm, one.gap: gap_cycles
     }  # fmt: skip
     assert [verdict.value] == evaluate([one.verdict], values)

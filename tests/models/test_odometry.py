@@ -20,7 +20,7 @@ from safeloc.models import odometry
 from safeloc.models.odometry.simulate import simulate
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.models.vocabulary.error_law import ErrorLaw
-from safeloc.proof.runs.driver import Driver
+from safeloc.proof.drawn_runs.driver import Driver
 from safeloc.properties.odometry import properties
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg

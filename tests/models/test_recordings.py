@@ -8,7 +8,7 @@ from pathlib import Path
 from safeloc.models.guard.positions import FOLDER
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import MODELS, recorded
 
 MOST_BYTES = 3_000_000

@@ -126,7 +126,7 @@ EDITS: Edits = {
     "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, "containment"),
     "blind cycles not added": (Odometer, "growth", lambda o, right: ite(o.admitted, right, right * 0), "containment"),
     "constant not added": (Odometer, "constant_nm", lambda _o, _r: 0, "containment"),
-    "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, "containment"),
+    "any distance admitted": (Odometer, "admitted", lambda o, _: o.measured.present, "containment"),
     "silent odometer not noticed": (Odometer, "failed", lambda _o, _r: FALSE, "without an odometer nothing is reported"),
     "the lag of the other direction": (
         Odometer, "lag", lambda _o, right, _share: (right[1], right[0]), "containment"),

@@ -52,7 +52,7 @@ Wrong = Callable[..., object]
 EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "odometer error not added": (Odometer, "growth", lambda _o, right: right * 0, TRUE_ROUTE),
     "blind cycles not added": (Odometer, "growth", lambda o, _: o.most_error, TRUE_ROUTE),
-    "any distance admitted": (Odometer, "admitted", lambda o, _: o.step.present, TRUE_ROUTE),
+    "any distance admitted": (Odometer, "admitted", lambda o, _: o.measured.present, TRUE_ROUTE),
     "a change of speed is no gate": (
         Odometer, "_jump", lambda _o, _r: FALSE, "a distance is admitted just if it can have been run"),
     "silent odometer not noticed": (Odometer, "failed", lambda _o, _r: FALSE, "a silent odometer ends the report"),

@@ -24,7 +24,7 @@ from safeloc.models.train_order import TrainOrderConfig
 from safeloc.models.train_order import simulate as train_order_runs
 from safeloc.models.verification import VerificationConfig
 from safeloc.models.verification import recorded_runs as verification_runs
-from safeloc.proof.runs.worked import WorkedRun, write_named, write_runs
+from safeloc.proof.drawn_runs.worked import WorkedRun, write_named, write_runs
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.target import recorded
 

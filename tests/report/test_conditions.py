@@ -180,7 +180,8 @@ def test_each_owner_has_a_sum_and_what_is_to_be_confirmed() -> None:
     assert [True, False, True] == [one["confirm"] for one in found["laws"]]
     assert [("operator", 2, 1), ("none", 1, 1)] == [(o["owner"], o["laws"], o["confirm"]) for o in found["owners"]]
     assert {
-        "assumptions": 3, "true_by_definition": 0, "without_owner_or_source": 3, "figures_to_confirm": 1
+        "assumptions": 3, "true_by_definition": 0, "without_owner_or_source": 3, "without_owner": 1, "without_source": 2,
+        "figures_to_confirm": 1
     } == counts(found)  # fmt: skip
 
 

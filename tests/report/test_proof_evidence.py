@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from safeloc.report.folder import render_folder, write_folder
 from safeloc.report.page import to_html
 from safeloc.report.proof_evidence import evidence_data
 from safeloc.report.stored import read_for_page
+from safeloc.target import Hazard
 
 TRUE_SENT = "a position that is sent holds the truth"
 CLAUSE = Element("clause", "transmission", TRUE_SENT)
@@ -41,7 +43,7 @@ def evidence(end: Any = "wrong", **fields: Any) -> dict[str, Any]:
     effect = Effect(
         broken, ("tolerance",), {"containment": 1, "age": 2}, ("hard",), end, withdrawn_by=("sent",), **fields
     )
-    return evidence_data(transmission(), cores, [effect])
+    return evidence_data(replace(transmission(), hazard=Hazard("it is lost", ("containment",))), cores, [effect])
 
 
 def page(**told: Any) -> str:
@@ -61,9 +63,12 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
     assert "<b>a run</b>" not in shown
     machine = transmission().machines[0]
     others = [name for name in machine.world.laws if name != TRUE_SENT]
-    assert f"Clauses that no proof needs: {'; '.join(others) or 'none'}." in shown
     assert (
-        "Transitions that no proof needs: "
+        f"Clauses that no claim needs (obligations, such as ranges, may need them): {'; '.join(others) or 'none'}."
+        in shown
+    )
+    assert (
+        "Transitions whose effect no claim needs (when they fire is kept, and may be needed): "
         + "; ".join(row.name for row in transmission().machines[0].transitions).replace("'", "&#39;")
         in shown
     )
@@ -76,7 +81,9 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
         ("withdrawn", {"within_cycles": 5}, "a wrong interval is right again or withdrawn within 5 cycles (proved)", "held"),
         ("contained", {}, "the reported interval still contains the truth (proved)", "proved"),
         ("undecided", {}, "undecided within the limits", "unknown"),
-        ("no interval", {}, "none: the target reports no interval", "soft"),
+        ("no interval", {}, "none: the target reports no interval and declares no hazard", "soft"),
+        ("hazard", {"run": Run({}, ({},), "sent")}, "it is lost; shortest run: 1 cycle, ends with", "violated"),
+        ("no hazard", {}, "proved never: it is lost", "proved"),
     ],
 )  # fmt: skip
 def test_the_page_tells_what_becomes_of_a_broken_clause(

@@ -226,7 +226,7 @@ def test_requirements_of_other_machines_are_only_counted(page: str) -> None:
     """A user's report is not about machines that are not in it."""
     assert 'id="MRK-1"' in page
     assert 'id="SAT-1"' not in page
-    assert "72 requirements of machines that are not in this report" in page
+    assert "72 requirements of shipped machines that are not in this report" in page
 
 
 def test_trace_back(page: str) -> None:

@@ -29,7 +29,7 @@ from safeloc.simulation.sensors import Distances
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """What the vehicles have in common: the groups that they pass, and those that the map announces from a cycle on.
+    """Data that the vehicles have in common: the groups that they pass, and those that the map announces from a cycle on.
 
     national_mm  location accuracy received in the first cycle; None: the default applies
     libraries    folder for compiled machines; None: a temporary one

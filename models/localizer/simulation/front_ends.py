@@ -1,4 +1,4 @@
-"""What many vehicles hear beside their own sources: distances, radio links, and the front ends of satellites and fibre.
+"""Inputs of many vehicles besides their own sources: distances, radio links, and the front ends of satellites and fibre.
 
 Each function returns columns of inputs under the names of the composition.
 """

@@ -18,7 +18,6 @@ from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
 FOLDER, SEED = Path(__file__).parents[1] / "recordings", 3
-_EVERYWHERE = Stretch(-1_000_000, 10_000_000)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ NO_EPOCH, TWO_PORTIONS = _LABELS.index("NO_EPOCH"), _LABELS.index("TWO_PORTIONS"
 
 @dataclass(frozen=True, eq=False)
 class Sky:
-    """What the receivers meet: arrays [cycle, vehicle], or ones that spread to it.
+    """The conditions that the receivers meet: arrays [cycle, vehicle], or ones that spread to it.
 
     seen      satellites in view of each vehicle
     received  cycles in a row with signals

@@ -1,4 +1,4 @@
-"""What a vehicle with the reflector machine meets: balises and reflectors along its route, and faults of radar and odometer."""
+"""The surroundings of a vehicle with the reflector machine: balises and reflectors along its route, and faults of radar and odometer."""
 
 from __future__ import annotations
 

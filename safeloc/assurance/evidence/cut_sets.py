@@ -1,4 +1,4 @@
-"""Minimal cut sets of order 1 and 2: the smallest sets of clauses whose breach lets a reported interval miss the truth."""
+"""Minimal cut sets of order 1 and 2: the smallest sets of clauses whose breach leads to the top event."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from xml.etree import ElementTree
 from safeloc.assurance.evidence.effects import Effect
 from safeloc.proof.cores.clauses import ClauseId
 
-TOP = "a reported interval misses the truth"
-
 
 @dataclass(frozen=True)
 class CutSets:
-    """The cut sets that were shown by runs, and undecided sets, which may be cut sets as well."""
+    """The cut sets of a top event that were shown by runs, and undecided sets, which may be cut sets as well."""
 
+    top: str
     found: tuple[tuple[ClauseId, ...], ...]
     undecided: tuple[tuple[ClauseId, ...], ...]
 
 
-def cut_sets(effects: Iterable[Effect]) -> CutSets:
+def cut_sets(top: str, effects: Iterable[Effect]) -> CutSets:
     """Return the minimal cut sets among the effects. Pairs consist of clauses that alone do no harm, so they are minimal."""
     every = list(effects)
     return CutSets(
-        tuple(one.broken for one in every if one.end in ("wrong", "withdrawn")),
+        top,
+        tuple(one.broken for one in every if one.end in ("wrong", "withdrawn", "hazard")),
         tuple(one.broken for one in every if one.end == "undecided"),
     )
 
@@ -38,8 +38,8 @@ def to_open_psa(name: str, sets: CutSets, ids: Mapping[ClauseId, str]) -> str:
     for one in sets.undecided:
         root.append(ElementTree.Comment(f" not decided: {' and '.join(ids[clause] for clause in one)} "))
     tree = ElementTree.SubElement(root, "define-fault-tree", name=_name(name))
-    gate = ElementTree.SubElement(tree, "define-gate", name="interval_misses_the_truth")
-    ElementTree.SubElement(gate, "label").text = TOP
+    gate = ElementTree.SubElement(tree, "define-gate", name=_name(sets.top))
+    ElementTree.SubElement(gate, "label").text = sets.top
     if sets.found:
         _formula(gate, sets.found, ids)
     else:

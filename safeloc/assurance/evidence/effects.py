@@ -1,4 +1,4 @@
-"""The effects of broken clauses of the world on a target's claims and on its reported interval.
+"""The effects of broken clauses of the world on a target's claims, on its reported interval and on its hazard.
 
 A broken clause is not assumed in any cycle: it may be broken once, always, or never. So a proof here holds for any duration
 of the fault, and a run that is found is one of the worst.
@@ -6,11 +6,12 @@ of the fault, and a run that is found is one of the worst.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from safeloc.assurance.evidence.interval import HOLDS, holds_truth, valid_term, withdrawn_within
+from safeloc.assurance.evidence.top_event import hazard_claims
 from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before_step
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, earlier_bool, observe, once, previous, reachable
@@ -25,14 +26,16 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
 from safeloc.target import Target
 
-End = Literal["contained", "withdrawn", "wrong", "undecided", "no interval"]
-"""Effect on the reported interval.
+End = Literal["contained", "withdrawn", "wrong", "hazard", "no hazard", "undecided", "no interval"]
+"""Effect on the reported interval, and on the declared hazard.
 
-contained    it still contains the truth (proved)
-withdrawn    it may miss the truth, but is right again or withdrawn within a number of cycles (proved)
-wrong        a run was found in which it misses the truth for longer
+contained    the interval still contains the truth, and the hazard, if one is declared, does not occur (proved)
+withdrawn    the interval may miss the truth, but is right again or withdrawn within a number of cycles (proved)
+wrong        a run was found in which the interval misses the truth for longer
+hazard       a run was found in which the hazard occurs
+no hazard    the target reports no interval, and the hazard does not occur (proved)
 undecided    undecided within the limits
-no interval  the target reports none, or its truth is unknown
+no interval  the target reports no interval, or its truth is unknown; and it declares no hazard
 """
 CYCLES = (1, 2, 5, 10)
 """Numbers of cycles within which a wrong interval has to be withdrawn, tried in turn; after more it counts as undetected."""
@@ -60,8 +63,8 @@ class Effect:
     """The effect of broken clauses on a target.
 
     kept, lost, open_  claims that are still proved; claims that a run breaks, with its cycles; undecided claims
-    end                effect on the reported interval, with `within_cycles` for `withdrawn`
-    run                for `wrong` and `withdrawn`: the shortest run that ends in a wrong interval
+    end                effect on interval and hazard, with `within_cycles` for `withdrawn`
+    run                for `wrong`, `withdrawn` and `hazard`: the shortest run that ends in the wrong interval or the hazard
     withdrawn_by       transitions that can withdraw the interval in the cycle of the breach
     """
 
@@ -81,30 +84,53 @@ def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str],
     asked  names of the claims whose proofs may need them; every other claim is kept, since it was proved without them
     """
     system = without(target.system, broken)
-    found = Effect(broken)
+    found, runs = Effect(broken), dict[str, Run]()
     for prop in target.properties:
         if prop.kind != "reachable":
-            found = _with_claim(found, system, prop, limits) if prop.name in asked else _kept(found, prop.name)
-    top = holds_truth(target)
-    if top is None:
-        return found
-    if HOLDS not in asked:
-        return replace(found, end="contained")
-    ended = _ended(found, target, system, top, limits)
-    return replace(ended, withdrawn_by=_withdrawn_by(target, system, broken, limits))
+            found = _with_claim(found, system, prop, limits, runs) if prop.name in asked else _kept(found, prop.name)
+    return _with_hazard(_with_interval(found, target, system, asked, limits), target, runs)
 
 
 def _kept(found: Effect, name: str) -> Effect:
     return replace(found, kept=(*found.kept, name))
 
 
-def _with_claim(found: Effect, system: TransitionSystem, prop: Property, limits: Limits) -> Effect:
+def _with_claim(
+    found: Effect, system: TransitionSystem, prop: Property, limits: Limits, runs: dict[str, Run]
+) -> Effect:
+    """Judge a claim; `runs` gets the run that breaks it."""
     verdict = prove_one(observe(system, replace(prop, kept_by=None)), limits)
     if isinstance(verdict, Proved):
         return _kept(found, prop.name)
     if isinstance(verdict, Violated) and verdict.trace is not None:
+        runs[prop.name] = _run(verdict.trace)
         return replace(found, lost={**found.lost, prop.name: len(verdict.trace.steps)})
     return replace(found, open_=(*found.open_, prop.name))
+
+
+def _with_hazard(found: Effect, target: Target, runs: Mapping[str, Run]) -> Effect:
+    """Return the effect with the hazard judged by its claims. A wrong interval, which is decided by then, stands first."""
+    claims = [prop.name for prop in hazard_claims(target)]
+    if not claims or found.end in ("wrong", "withdrawn"):
+        return found
+    lost = [name for name in claims if name in found.lost]
+    if lost:
+        return replace(found, end="hazard", run=runs[min(lost, key=lambda name: found.lost[name])])
+    if not set(claims).isdisjoint(found.open_):
+        return replace(found, end="undecided")
+    return replace(found, end="no hazard") if found.end == "no interval" else found
+
+
+def _with_interval(
+    found: Effect, target: Target, system: TransitionSystem, asked: Collection[str], limits: Limits
+) -> Effect:
+    top = holds_truth(target)
+    if top is None:
+        return found
+    if HOLDS not in asked:
+        return replace(found, end="contained")
+    ended = _ended(found, target, system, top, limits)
+    return replace(ended, withdrawn_by=_withdrawn_by(target, system, found.broken, limits))
 
 
 def _ended(found: Effect, target: Target, system: TransitionSystem, top: Property, limits: Limits) -> Effect:

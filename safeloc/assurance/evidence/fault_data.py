@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.evidence.cut_sets import TOP, CutSets
+from safeloc.assurance.evidence.cut_sets import CutSets
 from safeloc.assurance.evidence.effects import CYCLES, Effect
 from safeloc.assurance.law_ids import ids_of
 from safeloc.proof.cores.clauses import laws
@@ -15,20 +15,26 @@ from safeloc.target import Target
 SCHEMA = "safeloc-faults/1"
 
 
-def end_in_words(one: Effect) -> str:
-    """Return the effect on the reported interval as a sentence."""
+def end_in_words(target: Target, one: Effect) -> str:
+    """Return the effect on the reported interval and on the hazard as a sentence."""
+    hazard = target.hazard.text if target.hazard is not None else ""
     run = f"; shortest run: {cycles(one.run.cycles)}, ends with {one.run.fired!r}" if one.run is not None else ""
     match one.end:
         case "contained":
-            return "the reported interval still contains the truth (proved)"
+            kept = f"; proved never: {hazard}" if hazard else ""
+            return f"the reported interval still contains the truth (proved){kept}"
         case "withdrawn":
             return f"a wrong interval is right again or withdrawn within {cycles(one.within_cycles)} (proved){run}"
         case "wrong":
             return f"the reported interval can miss the truth for more than {CYCLES[-1]} cycles{run}"
+        case "hazard":
+            return f"{hazard}{run}"
+        case "no hazard":
+            return f"proved never: {hazard}"
         case "undecided":
             return f"undecided within the limits{run}"
         case "no interval":
-            return "none: the target reports no interval"
+            return "none: the target reports no interval and declares no hazard"
 
 
 def cycles(number: int) -> str:
@@ -43,7 +49,7 @@ def faults_data(target: Target, effects: Sequence[Effect], sets: CutSets) -> dic
     for one in effects:
         row = asdict(one)
         row["not_decided"] = row.pop("open_")
-        row["end_effect"] = end_in_words(one)
+        row["end_effect"] = end_in_words(target, one)
         row["broken"] = [
             {
                 "id": numbers[clause],
@@ -55,7 +61,7 @@ def faults_data(target: Target, effects: Sequence[Effect], sets: CutSets) -> dic
         ]
         rows.append(row)
     sets_data = {
-        "top": TOP,
+        "top": sets.top,
         "minimal": [[numbers[clause] for clause in one] for one in sets.found],
         "not_decided": [[numbers[clause] for clause in one] for one in sets.undecided],
     }

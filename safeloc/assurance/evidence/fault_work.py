@@ -9,7 +9,8 @@ from typing import Any, Protocol
 
 from safeloc.assurance.evidence.core_work import cores_of
 from safeloc.assurance.evidence.effects import CYCLES, Effect, End, Run, effect
-from safeloc.assurance.evidence.interval import HOLDS, claims_of, holds_truth
+from safeloc.assurance.evidence.interval import claims_of, holds_truth
+from safeloc.assurance.evidence.top_event import hazard_claims, top_claims
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
 from safeloc.language.expr import TRUE
 from safeloc.proof.cache.store import Store
@@ -65,24 +66,24 @@ class Breaking:
         return self._effects(target, {(one,): _may_rest_on(target, cores, (one,)) for one in clauses})
 
     def pairs(self, target: Target, cores: Sequence[Core], singles: Sequence[Effect]) -> list[Effect]:
-        """Return the effect on the interval of each pair of clauses that alone do it no harm.
+        """Return the effect on interval and hazard of each pair of clauses that alone do no harm to them.
 
         In a composition, only of pairs of clauses of different machines.
         """
-        harmless = [one.broken[0] for one in singles if one.end == "contained"]
-        rests = [one for one in cores if one.claim == HOLDS]
+        harmless = [one.broken[0] for one in singles if one.end in ("contained", "no hazard")]
+        rests = [one for one in cores if one.claim in top_claims(target)]
         both = dict[tuple[ClauseId, ...], frozenset[str]]()
         for first, second in combinations(harmless, 2):
             if not target.system.parts or first.machine != second.machine:
                 both[first, second] = _may_rest_on(target, rests, (first, second))
-        return self._effects(target, both, interval_only=True)
+        return self._effects(target, both, top_only=True)
 
     def _effects(
-        self, target: Target, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]], *, interval_only: bool = False
+        self, target: Target, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]], *, top_only: bool = False
     ) -> list[Effect]:
         self.progress.say(f"breaking clauses of {target.name}", len(wanted))
-        key = asked(target, _KIND, self.limits, CYCLES, interval_only).key
-        judged = _only_interval(target) if interval_only else target
+        key = asked(target, _KIND, self.limits, CYCLES, top_only, target.hazard).key
+        judged = replace(target, properties=hazard_claims(target)) if top_only else target
         by_name = {"-".join(map(str, one)): one for one in wanted}
         found = dict[tuple[ClauseId, ...], Effect]()
 
@@ -109,10 +110,6 @@ def planned(target: Target) -> int:
     return len(claims_of(target)) + len(assumed_clauses(target.system))
 
 
-def _only_interval(target: Target) -> Target:
-    return replace(target, properties=())
-
-
 def _may_rest_on(target: Target, cores: Sequence[Core], broken: Sequence[ClauseId]) -> frozenset[str]:
     """Return the claims whose proof may need one of the clauses; the others were proved without them.
 
@@ -134,8 +131,16 @@ def _may_rest_on(target: Target, cores: Sequence[Core], broken: Sequence[ClauseI
 def _undecided(target: Target, broken: tuple[ClauseId, ...], names: frozenset[str]) -> Effect:
     kept = tuple(prop.name for prop in target.properties if prop.name not in names and prop.kind != "reachable")
     open_ = tuple(prop.name for prop in target.properties if prop.name in names)
-    end: End = "undecided" if HOLDS in names else "contained"
-    return Effect(broken, kept, {}, open_, "no interval" if holds_truth(target) is None else end)
+    return Effect(broken, kept, {}, open_, _end_without_answer(target, names))
+
+
+def _end_without_answer(target: Target, names: frozenset[str]) -> End:
+    """Return the end effect where no question about `names` was answered; everything else was proved before."""
+    if not names.isdisjoint(top_claims(target)):
+        return "undecided"
+    if holds_truth(target) is not None:
+        return "contained"
+    return "no interval" if target.hazard is None else "no hazard"
 
 
 def from_data(data: Mapping[str, Any]) -> Effect:

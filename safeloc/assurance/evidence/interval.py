@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, Expr, Num, NumVar, exact_to
 from safeloc.language.spec import Property, always, within
+from safeloc.language.terms import numeric
 from safeloc.language.units import NM
 from safeloc.reported import Reported
 from safeloc.target import Target
@@ -57,7 +58,7 @@ class ReportedTerms:
         """Return the interval of these outputs."""
         flag = outputs[reported.valid]
         assert isinstance(flag, Bool)
-        place, below, above = (_number(outputs[name]) for name in (reported.position, reported.below, reported.above))
+        place, below, above = (numeric(outputs[name]) for name in (reported.position, reported.below, reported.above))
         return cls(flag if reported.valid_is else ~flag, place - below, place + above)
 
 
@@ -68,11 +69,6 @@ def _term(target: Target) -> Bool | None:
         return None
     ends = ReportedTerms.of(reported, system.outputs)
     return ends.valid.implies((_in_nm(ends.low) <= truth) & (truth <= _in_nm(ends.high)))
-
-
-def _number(term: Expr) -> Num:
-    assert isinstance(term, Num)
-    return term
 
 
 def _in_nm(term: Num) -> Num:

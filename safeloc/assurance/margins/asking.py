@@ -37,7 +37,7 @@ _QUICK_STEPS = 5
 
 @dataclass(frozen=True)
 class Answer:
-    """Whether all claims hold at one value of a figure.
+    """The answer for one value of a figure: whether all claims hold.
 
     end     proved: each claim was; broken: a run breaks `claim`; undecided: `claim` was not decided within the limits;
             refused: the configuration or the machine does not take the value, for the reason `why`

@@ -18,7 +18,7 @@ _GROWTH = 4
 
 @dataclass(frozen=True)
 class Limit:
-    """How far one figure may move in one direction, with the other figures as they are.
+    """The limit of one figure in one direction, with the other figures unchanged.
 
     holds_to  the last value at which all claims are proved; the figure's own value if there is no margin
     end       the answer at the value beyond: broken (by a run), undecided, refused; proved: the range ends at `holds_to`
@@ -37,7 +37,7 @@ class Limit:
 
     @property
     def margin(self) -> int:
-        """How far the figure may move."""
+        """The distance from the present value to the limit."""
         return abs(self.holds_to - self.figure.value)
 
 

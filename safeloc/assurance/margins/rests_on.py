@@ -1,4 +1,6 @@
-"""What of its world a claim rests on: a world that moves elsewhere leaves its proof as it is, and the claim is not asked again."""
+"""The part of its world that the proof of a claim uses. A change outside this part leaves the proof valid, so the claim
+is not proved again.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ from safeloc.proof.provers.limits import Limits
 
 @dataclass(frozen=True)
 class RestsOn:
-    """What of the world a proof of a claim uses.
+    """The part of the world that a proof of a claim uses.
 
     clauses, moves  the clauses, and the ghosts whose moves it uses, by name
     reads           the variables of the terms that it uses: the range of another variable has no part in it

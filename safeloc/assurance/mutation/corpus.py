@@ -16,12 +16,12 @@ from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.trace import Trace
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Proved
+from safeloc.proof.drawn_runs.driver import Driver
+from safeloc.proof.drawn_runs.lawful import NoFirstStateError
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.reachability import reached
 from safeloc.proof.provers.recorded_witnesses import Recording
-from safeloc.proof.runs.driver import Driver
-from safeloc.proof.runs.lawful import NoFirstStateError
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE
 from safeloc.proof.verification.replay import run_with_truth
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import read_steps

@@ -1,8 +1,8 @@
 """Check whether a mutant is equivalent to the machine: the same outputs on every run that the world allows.
 
 First both are compared as functions on all states that the proved claims allow. If they differ there, machine and mutant are
-compared as two copies side by side: from a list of equalities between their variables, in all modes or in one, the greatest part
-that every step preserves is kept, and equal outputs have to follow from it.
+compared as two copies side by side: from a list of equalities between their variables, in all modes, in one, or while a flag is set
+or not, the greatest part that every step preserves is kept, and equal outputs have to follow from it.
 """
 
 from __future__ import annotations
@@ -11,10 +11,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from safeloc.assurance.mutation.claims import Canon, Held
 from safeloc.language.expr import Bool, Expr, Lit, Var
-from safeloc.language.nodes import Num
+from safeloc.language.nodes import BoolVar, Num
 from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.terms import Substitution
 from safeloc.proof.provers.limits import Limits
+
+_MOST_BY_FLAG = 400
+"""Most equalities by flag that are tried; machines with more flags and variables are compared without them."""
 
 
 def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> str:
@@ -89,7 +92,11 @@ class Side:
         plain = self.all_equal()
         if self.follow(self.lasting(plain), goals):
             return True
-        return self.follow(self.lasting({**plain, **self.equal_by_mode()}), goals)
+        by_mode = {**plain, **self.equal_by_mode()}
+        if self.follow(self.lasting(by_mode), goals):
+            return True
+        by_flag = self.equal_by_flag()
+        return 0 < len(by_flag) <= _MOST_BY_FLAG and self.follow(self.lasting({**by_mode, **by_flag}), goals)
 
     def all_equal(self) -> dict[str, Bool]:
         """Return for each variable on board the equality of both copies."""
@@ -104,6 +111,21 @@ class Side:
             mode = machine.mode
             for value in range(mode.low, mode.high + 1) if mode in self.twins and mode is not var else ():
                 yield f"{var.name} in {value}", mode.eq(Lit(value, mode.unit)).implies(equal(var, self.twins[var]))
+
+    def equal_by_flag(self) -> dict[str, Bool]:
+        """Return for each variable and each flag, of state or outputs, the equality of both copies while it is set, and while not.
+
+        A stored report that is not there may have any content: its numbers need to be equal only while the flag says that it is there.
+        """
+        flags: dict[str, Bool] = {var.name: var for var in self.twins if isinstance(var, BoolVar)}
+        flags |= {f"output {name}": one for name, (one, _) in self.outputs.items() if isinstance(one, Bool)}
+        return {
+            f"{var.name} {words} {name}": condition.implies(equal(var, self.twins[var]))
+            for name, flag in flags.items()
+            for words, condition in (("while", flag), ("while not", ~flag))
+            for var in self.twins
+            if var is not flag
+        }
 
     def at_first(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
         """Return the relations that hold in every first state, in which both copies are equal."""

@@ -17,6 +17,7 @@ from safeloc.assurance.mutation.members import Composed, joined
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.playing import first_broken, outputs_along
 from safeloc.assurance.mutation.results import Outcome
+from safeloc.assurance.mutation.rewired import rewired
 from safeloc.assurance.mutation.wires import WireEdit
 from safeloc.errors import SafelocError
 from safeloc.language.composed_names import contract_text, inputs_text
@@ -78,9 +79,9 @@ def of_member(on: CompositionBench, mutant: Mutant, *, everywhere: bool) -> Outc
 
 def of_wire(on: CompositionBench, edit: WireEdit) -> Outcome:
     """Return the outcome for the composition with this wire wrong."""
-    first = on.composed.plan.machines[0]
     try:
-        return _judged(on, joined(on.composed, first, edit.wires), on.composed.claims)
+        made = rewired(on.composed, edit.wires)
+        return _judged(on, made.system, made.claims)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
 

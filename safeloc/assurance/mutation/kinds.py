@@ -26,7 +26,6 @@ from safeloc.language.nodes import (
     Max,
     Min,
     Not,
-    Num,
     NumVar,
     Or,
     Sub,
@@ -34,7 +33,7 @@ from safeloc.language.nodes import (
     all_of,
     any_of,
 )
-from safeloc.language.terms import children, rebuilt
+from safeloc.language.terms import children, logical, numeric, rebuilt
 from safeloc.language.units import Enumeration
 
 _BOUND = "bound off by one unit"
@@ -131,20 +130,30 @@ def _meant(part: Expr, other: Var) -> Var:
 def _of_comparison(node: Compare) -> Iterator[Change]:
     unit = node.left.unit
     if isinstance(unit, Enumeration):
-        yield Change(_TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
+        yield Change(
+            _TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", numeric(parts[0]), numeric(parts[1])))
+        )
         return
     one = Lit(1, unit)
     if node.op == "==":
-        yield Change(_TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", _n(parts[0]), _n(parts[1]))))
-        yield Change(_BOUND, "one more", lambda parts: Compare("==", _n(parts[0]), Add(_n(parts[1]), one, unit)))
+        yield Change(
+            _TURNED, "equal becomes unequal", lambda parts: Not(Compare("==", numeric(parts[0]), numeric(parts[1])))
+        )
+        yield Change(
+            _BOUND, "one more", lambda parts: Compare("==", numeric(parts[0]), Add(numeric(parts[1]), one, unit))
+        )
     elif node.op == "<":
-        yield Change(_BOUND, "< becomes <=", lambda parts: Compare("<=", _n(parts[0]), _n(parts[1])))
-        yield Change(_BOUND, "one unit less", lambda parts: Compare("<", Add(_n(parts[0]), one, unit), _n(parts[1])))
-        yield Change(_TURNED, "< becomes >", lambda parts: Compare("<", _n(parts[1]), _n(parts[0])))
+        yield Change(_BOUND, "< becomes <=", lambda parts: Compare("<=", numeric(parts[0]), numeric(parts[1])))
+        yield Change(
+            _BOUND, "one unit less", lambda parts: Compare("<", Add(numeric(parts[0]), one, unit), numeric(parts[1]))
+        )
+        yield Change(_TURNED, "< becomes >", lambda parts: Compare("<", numeric(parts[1]), numeric(parts[0])))
     else:
-        yield Change(_BOUND, "<= becomes <", lambda parts: Compare("<", _n(parts[0]), _n(parts[1])))
-        yield Change(_BOUND, "one unit more", lambda parts: Compare("<=", _n(parts[0]), Add(_n(parts[1]), one, unit)))
-        yield Change(_TURNED, "<= becomes >=", lambda parts: Compare("<=", _n(parts[1]), _n(parts[0])))
+        yield Change(_BOUND, "<= becomes <", lambda parts: Compare("<", numeric(parts[0]), numeric(parts[1])))
+        yield Change(
+            _BOUND, "one unit more", lambda parts: Compare("<=", numeric(parts[0]), Add(numeric(parts[1]), one, unit))
+        )
+        yield Change(_TURNED, "<= becomes >=", lambda parts: Compare("<=", numeric(parts[1]), numeric(parts[0])))
 
 
 def _of_sum(node: Add | Sub) -> Iterator[Change]:
@@ -154,20 +163,20 @@ def _of_sum(node: Add | Sub) -> Iterator[Change]:
     if isinstance(node, Add):
         yield Change(_DROPPED, "the second is left out", lambda parts: parts[0])
         yield Change(_DROPPED, "the first is left out", lambda parts: parts[1])
-        yield Change(SIGN, "+ becomes -", lambda parts: Sub(_n(parts[0]), _n(parts[1]), unit))
+        yield Change(SIGN, "+ becomes -", lambda parts: Sub(numeric(parts[0]), numeric(parts[1]), unit))
     elif isinstance(node.left, Lit) and node.left.value == 0:
         yield Change(SIGN, "minus left out", lambda parts: parts[1])
     else:
         yield Change(_DROPPED, "the second is left out", lambda parts: parts[0])
-        yield Change(_DROPPED, "the first is left out", lambda parts: Sub(zero, _n(parts[1]), unit))
-        yield Change(SIGN, "- becomes +", lambda parts: Add(_n(parts[0]), _n(parts[1]), unit))
+        yield Change(_DROPPED, "the first is left out", lambda parts: Sub(zero, numeric(parts[1]), unit))
+        yield Change(SIGN, "- becomes +", lambda parts: Add(numeric(parts[0]), numeric(parts[1]), unit))
 
 
 def _of_extreme(node: Min | Max) -> Iterator[Change]:
     unit = node.unit
     other: type[Min | Max] = Max if isinstance(node, Min) else Min
     words = "min becomes max" if isinstance(node, Min) else "max becomes min"
-    yield Change(_EXTREME, words, lambda parts: other(_n(parts[0]), _n(parts[1]), unit))
+    yield Change(_EXTREME, words, lambda parts: other(numeric(parts[0]), numeric(parts[1]), unit))
 
 
 def _of_division(node: FloorDiv) -> Iterator[Change]:
@@ -175,26 +184,26 @@ def _of_division(node: FloorDiv) -> Iterator[Change]:
     divisor, unit, zero = node.divisor, node.unit, Lit(0, node.unit)
 
     def up(parts: Parts) -> Expr:
-        inner = _n(parts[0])
+        inner = numeric(parts[0])
         return Sub(zero, FloorDiv(Sub(Lit(0, inner.unit), inner, inner.unit), divisor, unit), unit)
 
     yield Change(_ROUNDING, "rounded to the other side", up)
     more = divisor + 1
-    yield Change(_NEIGHBOUR, f"divided by {more}", lambda parts: FloorDiv(_n(parts[0]), more, unit))
+    yield Change(_NEIGHBOUR, f"divided by {more}", lambda parts: FloorDiv(numeric(parts[0]), more, unit))
 
 
 def _of_junction(node: And | Or) -> Iterator[Change]:
     both = isinstance(node, And)
     if both:
-        yield Change(_AND_OR, "and becomes or", lambda parts: any_of(map(_b, parts)))
+        yield Change(_AND_OR, "and becomes or", lambda parts: any_of(map(logical, parts)))
     else:
-        yield Change(_AND_OR, "or becomes and", lambda parts: all_of(map(_b, parts)))
+        yield Change(_AND_OR, "or becomes and", lambda parts: all_of(map(logical, parts)))
     for number in range(len(node.parts)):
         yield Change(CONDITION, f"condition {number + 1} is left out", partial(_without, both, number))
 
 
 def _without(both: bool, number: int, parts: Parts) -> Bool:
-    rest = [_b(part) for place, part in enumerate(parts) if place != number]
+    rest = [logical(part) for place, part in enumerate(parts) if place != number]
     return all_of(rest) if both else any_of(rest)
 
 
@@ -220,13 +229,3 @@ def _of_figure(lit: Lit) -> Iterator[Change]:
     beside = value + 1 if value > 0 else value - 1
     yield Change(_NEIGHBOUR, f"{value} becomes {beside}", lambda _: Lit(beside, unit))
     yield Change(_ZERO, f"{value} becomes 0", lambda _: Lit(0, unit))
-
-
-def _n(term: Expr) -> Num:
-    assert isinstance(term, Num)
-    return term
-
-
-def _b(term: Expr) -> Bool:
-    assert isinstance(term, Bool)
-    return term

@@ -17,8 +17,6 @@ from safeloc.assurance.splits.observed import Split
 from safeloc.errors import SafelocError
 from safeloc.target import Entry
 
-_Plain = dict[str, Any]
-
 
 @dataclass(frozen=True)
 class Change:

@@ -13,8 +13,6 @@ Monomial = tuple[Term, ...]
 Polynomial = Mapping[Monomial, Fraction]
 Leaf = Callable[[Term], Polynomial]
 
-_ZERO: Polynomial = {}
-
 
 def constant(value: Fraction | int) -> Polynomial:
     """Return the polynomial of a number."""

@@ -16,7 +16,6 @@ from safeloc.checker.proofs.terms import FALSE, TRUE, Sort, Term, exact, make, n
 from safeloc.checker.proofs.texts import Goal
 from safeloc.errors import EngineError
 
-_ENGINE = f"cvc5 {cvc5.__version__}"
 _OPTIONS = {"produce-proofs": "true", "proof-granularity": "dsl-rewrite"}
 _NAMES = {
     Kind.NOT: "not",

@@ -1,4 +1,6 @@
-"""Whether a single stream lies in a tube: decided on values alone, apart from the terms by which the tube is proved."""
+"""Check that a single stream lies in a tube: it compares values only, independently of the terms by which the tube is
+proved.
+"""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from safeloc.proof.around.containment import first_outside
 from safeloc.proof.around.course import Space, first_piece
 from safeloc.proof.around.tube import Tube
 from safeloc.proof.around.windows import Breaks, Claim
-from safeloc.proof.runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.allowed import compiled_terms
 
 _RANDOM, _LOST = 4, 40
 """Runs with values drawn anew in each cycle, and with one message lost each."""

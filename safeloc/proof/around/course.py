@@ -104,7 +104,7 @@ class Course:
 
     @property
     def dead(self) -> bool:
-        """Whether folding alone shows that no stream comes so far."""
+        """Folding alone shows that no stream comes so far."""
         return any(
             part is FALSE or (isinstance(part, Truth) and not part.value) for some in self.given for part in some
         )

@@ -1,4 +1,4 @@
-"""How far the streams of a tube may deviate from the one given: widths, missing values, late values."""
+"""The permitted deviations of a tube's streams from the given one: widths, missing values, late values."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.proof.around.tube import Given
-from safeloc.proof.runs.quick import quick_run
+from safeloc.proof.drawn_runs.quick import quick_run
 from safeloc.proof.verification.replay import has_truth, run_of
 from safeloc.runtime.streams.steps import StepStream
 from safeloc.target import Target

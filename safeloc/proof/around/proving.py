@@ -44,7 +44,7 @@ General = Callable[[Property], Mapping[str, str] | None]
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """What is asked around a stream of a target.
+    """A question about all streams around a stream of a target.
 
     system   the machine with its world, without the laws that are left out
     name     of the stream

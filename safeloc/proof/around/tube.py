@@ -62,7 +62,7 @@ class Given:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """What the tube allows in one cycle.
+    """The values that the tube allows in one cycle.
 
     inputs  every input as a term over the tube's state and `free`
     free    variables of this cycle alone, with their ranges

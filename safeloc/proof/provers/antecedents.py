@@ -19,6 +19,7 @@ from safeloc.language.system import Part, TransitionSystem, environment, first_w
 from safeloc.language.terms import Substitution
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import SEVERAL_RUNS, Proved, Unknown, Vacuous, Verdict
+from safeloc.proof.drawn_runs.quick import run_again
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.implication import unproved
@@ -33,7 +34,6 @@ from safeloc.proof.provers.searches import AT_FIRST, first_runs, sparing_runs
 from safeloc.proof.provers.spacer import spacer
 from safeloc.proof.provers.verdicts_as_data import PackedTrace, pack_trace, unpack_trace
 from safeloc.proof.provers.workers import Lost, Task
-from safeloc.proof.runs.quick import run_again
 
 __all__ = [
     "Case",

@@ -19,10 +19,10 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem, canonical, environment
 from safeloc.language.trace import Step, Trace
+from safeloc.proof.drawn_runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.lawful import Repair
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
 from safeloc.proof.provers.recorded_witnesses import Recording, Replay, is_label, known_first
-from safeloc.proof.runs.allowed import compiled_terms
-from safeloc.proof.runs.lawful import Repair
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
 
 LENGTHS = (3, 8, 20)
 """Lengths in steps of the part of a run that leaves the recording."""

@@ -1,6 +1,6 @@
 """Reachability by random runs: most modes and transitions of a machine occur within a few steps of any stream.
 
-Runs are drawn on generated code, as in the property tests (safeloc.proof.runs.profiles). The interpreter replays each run that
+Runs are drawn on generated code, as in the property tests (safeloc.proof.drawn_runs.profiles). The interpreter replays each run that
 reaches a new goal. Drawing stops after several rounds without a new goal.
 """
 
@@ -16,10 +16,10 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal, watch
 from safeloc.language.system import environment
 from safeloc.language.trace import Trace
+from safeloc.proof.drawn_runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.lawful import NoFirstStateError, Repair, first_state
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
 from safeloc.proof.provers.replayed_evidence import confirmed
-from safeloc.proof.runs.allowed import compiled_terms
-from safeloc.proof.runs.lawful import NoFirstStateError, Repair, first_state
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
 
 LENGTHS = (5, 5, 5, 15, 15, 40)
 """Lengths in steps of the runs of one round; short runs first, so that early events get short witnesses."""

@@ -24,12 +24,12 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Unknown, Verdict, Violated
+from safeloc.proof.drawn_runs.allowed import Slack
+from safeloc.proof.drawn_runs.lawful import Repair, first_state
+from safeloc.proof.drawn_runs.profiles import Profile
 from safeloc.proof.provers.asking import ask, new_solver
 from safeloc.proof.provers.limits import Deadline, Limits, deadline, spend
 from safeloc.proof.provers.shorten import shortened
-from safeloc.proof.runs.allowed import Slack
-from safeloc.proof.runs.lawful import Repair, first_state
-from safeloc.proof.runs.profiles import Profile
 
 LONGEST = 250
 _FINISH_STEPS = 6

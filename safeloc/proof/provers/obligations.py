@@ -21,6 +21,7 @@ from safeloc.language.expr import TRUE
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.verdict import Proved, Unknown
+from safeloc.proof.drawn_runs.quick import Again
 from safeloc.proof.provers.absence import absence
 from safeloc.proof.provers.arithmetic import division, overflow, ranges
 from safeloc.proof.provers.assumption import assumption_kept
@@ -35,7 +36,6 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Wi
 from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
 from safeloc.proof.provers.workers import Lost, Queue, Task, Then
 from safeloc.proof.results import Finding
-from safeloc.proof.runs.quick import Again
 
 Check = Callable[[TransitionSystem, Limits], Iterator[Obligation]]
 CHECKS: dict[str, Check] = {

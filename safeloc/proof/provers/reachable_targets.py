@@ -1,4 +1,4 @@
-"""What can be reached: the modes and transitions of a system's machines, each as a goal of runs."""
+"""Targets of reachability: the modes and transitions of a system's machines, each as a goal of runs."""
 
 from __future__ import annotations
 

@@ -21,9 +21,9 @@ from safeloc.language.spec import Goal, watch
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.trace import Step, Trace
 from safeloc.language.units import Enumeration
+from safeloc.proof.drawn_runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.quick import run_again
 from safeloc.proof.provers.limits import Deadline
-from safeloc.proof.runs.allowed import compiled_terms
-from safeloc.proof.runs.quick import run_again
 
 
 @dataclass(frozen=True)

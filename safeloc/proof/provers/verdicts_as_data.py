@@ -18,10 +18,10 @@ from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.terms import in_order
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
+from safeloc.proof.drawn_runs.quick import Again
 from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.implication import Failure
 from safeloc.proof.provers.proved_base import Base
-from safeloc.proof.runs.quick import Again
 
 Flat = tuple[Any, ...]
 

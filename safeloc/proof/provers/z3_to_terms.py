@@ -12,6 +12,7 @@ import z3
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, Var
 from safeloc.language.nodes import Add, And, Choose, ChooseBool, Compare, FloorDiv, Mul, Or, Sub, Truth
+from safeloc.language.terms import logical, numeric
 from safeloc.language.units import ONE
 
 
@@ -26,7 +27,7 @@ def read_bool(term: z3.ExprRef, variables: Mapping[str, Var]) -> Bool:
     done: dict[int, Expr] = {}
     for node in _parts_first(term):
         done[node.get_id()] = _read(node, [done[child.get_id()] for child in node.children()], variables)
-    return _bool(done[term.get_id()])
+    return logical(done[term.get_id()])
 
 
 def _parts_first(term: z3.ExprRef) -> list[z3.ExprRef]:
@@ -55,15 +56,15 @@ def _read(node: z3.ExprRef, parts: Sequence[Expr], variables: Mapping[str, Var])
     if kind in (z3.Z3_OP_TRUE, z3.Z3_OP_FALSE):
         return Truth(kind == z3.Z3_OP_TRUE)
     if kind in _CONNECTIVES:
-        return _connective(kind, [_bool(part) for part in parts])
+        return _connective(kind, [logical(part) for part in parts])
     if kind in _COMPARISONS:
-        return _comparison(kind, _num(parts[0]), _num(parts[1]))
+        return _comparison(kind, numeric(parts[0]), numeric(parts[1]))
     if kind == z3.Z3_OP_EQ:
         return _equal(parts[0], parts[1])
     if kind == z3.Z3_OP_ITE:
-        return _choice(_bool(parts[0]), parts[1], parts[2])
+        return _choice(logical(parts[0]), parts[1], parts[2])
     if kind in _ARITHMETIC:
-        return _arithmetic(kind, [_num(part) for part in parts])
+        return _arithmetic(kind, [numeric(part) for part in parts])
     raise UnreadableError(f"operator {node.decl().name()} of {len(parts)} parts")
 
 
@@ -89,13 +90,13 @@ def _comparison(kind: int, left: Num, right: Num) -> Bool:
 def _equal(left: Expr, right: Expr) -> Bool:
     if isinstance(left, Num) and isinstance(right, Num):
         return Compare("==", left, right)
-    return _bool(left).iff(_bool(right))
+    return logical(left).iff(logical(right))
 
 
 def _choice(condition: Bool, then: Expr, other: Expr) -> Expr:
     if isinstance(then, Num):
-        return Choose(condition, then, _num(other), ONE)
-    return ChooseBool(condition, _bool(then), _bool(other))
+        return Choose(condition, then, numeric(other), ONE)
+    return ChooseBool(condition, logical(then), logical(other))
 
 
 def _arithmetic(kind: int, parts: list[Num]) -> Num:
@@ -115,13 +116,3 @@ def _division(kind: int, left: Num, right: Num) -> Num:
         raise UnreadableError("division by something else than a positive constant")
     quotient = FloorDiv(left, right.value, ONE)
     return quotient if kind == z3.Z3_OP_IDIV else Sub(left, Mul(quotient, right, ONE), ONE)
-
-
-def _bool(term: Expr) -> Bool:
-    assert isinstance(term, Bool)
-    return term
-
-
-def _num(term: Expr) -> Num:
-    assert isinstance(term, Num)
-    return term

@@ -21,7 +21,7 @@ from safeloc.language.observable import Observable, Seen, Stated, seen
 from safeloc.language.system import without_ghosts
 from safeloc.language.terms import variables
 from safeloc.language.trace import Trace
-from safeloc.proof.runs.quick import Quick
+from safeloc.proof.drawn_runs.quick import Quick
 from safeloc.proof.verification.recordings import recorded_times
 from safeloc.proof.verification.replay import has_truth, read_recording, run_of
 from safeloc.runtime.breaches import Breach, BrokenLaw

@@ -22,9 +22,10 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.terms import variables
 from safeloc.language.trace import Trace, shown
 from safeloc.language.units import Enumeration
-from safeloc.language.verdict import Held, NotAsked, Result, Violated
+from safeloc.language.verdict import Held, NotAsked, Result, Unknown, Violated
+from safeloc.proof.drawn_runs.quick import Quick, quick_run
 from safeloc.proof.results import Finding, Replayed
-from safeloc.proof.runs.quick import Quick, quick_run
+from safeloc.proof.verification.broken_laws import with_laws
 from safeloc.proof.verification.recordings import counted, recorded_steps
 from safeloc.proof.verification.unasked import reason
 from safeloc.runtime.border import Fault
@@ -95,7 +96,7 @@ def replay_stream(
     truth = [_truth_mm(path, stream, index) for index in range(len(stream.steps))]
     trace = run_of(system, path, stream)
     rows = [_row(target, trace, number, truth[number]) for number in range(len(trace.steps))]
-    verdicts = asked.checks(trace)
+    verdicts = [_told(verdict, trace, stream) for verdict in asked.checks(trace)]
     findings = [_finding(target, path, *pair, started) for pair in zip(properties, verdicts, strict=True)]
     if target.reported is not None and any(value is not None for value in truth):
         findings.append(_containment(target, path, rows, trace, truth, started))
@@ -126,6 +127,10 @@ def read_recording(
 def _steps(path: Path, run: str | None) -> StepStream:
     """Read a recording, or the requested run of a file of runs."""
     return read_steps(path) if run is None else read_runs(path).stream(run)
+
+
+def _told(verdict: Result, trace: Trace, stream: StepStream) -> Result:
+    return with_laws(verdict, trace, stream.first) if isinstance(verdict, Unknown) else verdict
 
 
 @dataclass(frozen=True, eq=False)

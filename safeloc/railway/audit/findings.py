@@ -30,7 +30,9 @@ class Finding:
 
     @property
     def shortfall(self) -> float:
-        """How far the figure is from what is required, as a share of that; without figures or without bound, infinite."""
+        """The distance of the figure from the required one, as a share of the latter; infinite without figures or without
+        a bound.
+        """
         if self.figures is None or abs(self.figures.actual) >= UNBOUNDED // 2:
             return math.inf
         return abs(self.figures.actual - self.figures.required) / max(1, abs(self.figures.required))

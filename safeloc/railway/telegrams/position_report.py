@@ -66,7 +66,7 @@ class Front:
 
 @dataclass(frozen=True)
 class Train:
-    """What else a report says.
+    """The further data of a report.
 
     speed_mm_s       magnitude, rounded to the nearest 5 km/h
     moves            direction of movement along the route; None: not known

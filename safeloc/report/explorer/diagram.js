@@ -1,6 +1,6 @@
 /* The state diagram of a machine, with the mode before and after a step and the way between them. */
 
-const PERMITTED = new Set(["svg", "g", "path", "rect", "text", "defs", "marker"]);
+const PERMITTED = new Set(["svg", "g", "path", "rect", "text"]);
 
 class Diagram {
   constructor(box) {

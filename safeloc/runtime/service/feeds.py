@@ -7,7 +7,7 @@ import os
 import selectors
 import stat
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import FileIO
@@ -50,8 +50,6 @@ class Over:
 
 
 Event = Arrived | Left | Over
-_Ready = Callable[[int], Iterator[Event]]
-"""The data of a selector's key: event mask -> events."""
 
 
 class Feed(ABC):

@@ -244,7 +244,7 @@ class Runs:
 
     @cached_property
     def _places(self) -> list[int]:
-        """Where the kept steps of each run begin, and where the last ones end."""
+        """The first place of each run's kept steps, and the end of the last run's."""
         for number, run in enumerate(self._runs):
             of, shared = run["like"]
             whole = type(of) is int and type(shared) is int and 0 <= of <= max(number - 1, 0)

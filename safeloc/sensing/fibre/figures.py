@@ -20,7 +20,6 @@ from safeloc.sensing.figures import LIGHT_MM_S, MILLION
 
 _HALVES_OF_NS_PER_S = 2 * 10**9
 SILENT_BITS = 4
-_KM = 1_000_000
 
 
 class Interrogator(Config):

@@ -38,8 +38,7 @@ class Walker:
 GPS = Walker("G", 6, 5, 26_559_800.0, 55.0, 2)
 GALILEO = Walker("E", 3, 8, 29_600_318.0, 56.0, 1)
 BEIDOU = Walker("C", 3, 8, 27_906_100.0, 55.0, 1)
-_GLONASS = Walker("R", 3, 8, 25_508_200.0, 64.8, 1)
-"""Shapes of the published constellations: GPS in six planes, Galileo, BeiDou's medium orbits and GLONASS 24/3/1."""
+"""Shapes of the published constellations: GPS in six planes, Galileo, and BeiDou's medium orbits."""
 
 
 def constellation(walkers: Sequence[Walker], rng: np.random.Generator, *, start_s: float = START_S) -> Navigation:

@@ -11,8 +11,11 @@ import pytest
 
 from safeloc.assurance.evidence.cut_sets import CutSets, cut_sets, to_open_psa
 from safeloc.assurance.evidence.effects import Effect, Run
+from safeloc.assurance.evidence.fault_data import end_in_words
 from safeloc.assurance.evidence.fault_work import Breaking, from_data, planned
+from safeloc.assurance.evidence.top_event import INTERVAL, top_claims, top_event
 from safeloc.assurance.law_ids import ids_of
+from safeloc.errors import InputError
 from safeloc.language.composition import compose
 from safeloc.language.expr import number
 from safeloc.language.interpret import run
@@ -25,7 +28,7 @@ from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, laws, without
 from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.fault_tree import fault_tree
-from safeloc.target import Target
+from safeloc.target import Hazard, Target
 from tests.assurance.evidence.receivers import target
 
 FIRST, SECOND = (ClauseId("receivers", f"the {name} receiver is right") for name in ("first", "second"))
@@ -107,7 +110,7 @@ def test_two_receivers_that_are_both_wrong_are_a_cut_set() -> None:
     wrong = both[FIRST, SECOND]
     assert ("wrong", 1) == (wrong.end, wrong.run.cycles if wrong.run is not None else 0)
     assert {"contained"} == {one.end for pair, one in both.items() if pair != (FIRST, SECOND)}
-    found = cut_sets([*singles().values(), *both.values()])
+    found = cut_sets(INTERVAL, [*singles().values(), *both.values()])
     assert (((MEASURED,), (FIRST, SECOND)), ()) == (found.found, found.undecided)
 
 
@@ -116,6 +119,62 @@ def test_without_an_interval_claims_are_told_alone() -> None:
     one = _alone(breaking(), replace(target(), reported=None))
     assert {"no interval"} == {each.end for each in one}
     assert {"containment": 2} == one[2].lost
+
+
+def _hazardous() -> Target:
+    """The receivers as a machine whose place is no interval, but whose wrong place is a hazard."""
+    return replace(target(), reported=None, hazard=Hazard("a wrong place is given", ("contain*",)))
+
+
+def test_a_hazard_is_the_top_event_of_a_machine_without_an_interval() -> None:
+    """A run in which it occurs for the clause that it needs, and a proof that it never does for every other one."""
+    whole = _hazardous()
+    assert "a wrong place is given" == top_event(whole)
+    found = {one.broken[0]: one for one in _alone(breaking(), whole)}
+    assert {MEASURED: "hazard"} == {clause: one.end for clause, one in found.items() if one.end != "no hazard"}
+    shown = found[MEASURED].run
+    assert shown is not None and found[MEASURED].lost["containment"] == shown.cycles
+    assert "a wrong place is given; shortest run: 2 cycles, ends with 'run on'" == end_in_words(whole, found[MEASURED])
+    assert "proved never: a wrong place is given" == end_in_words(whole, found[FIRST])
+
+
+@pytest.mark.thorough
+def test_pairs_lead_to_a_hazard_too() -> None:
+    """Two receivers that are wrong alike give a wrong place."""
+    whole = _hazardous()
+    by = breaking()
+    every = by.cores(whole)
+    alone = by.singles(whole, every)
+    both = by.pairs(whole, every, alone)
+    assert {(FIRST, SECOND)} == {one.broken for one in both if one.end == "hazard"}
+    assert {"hazard", "no hazard"} == {one.end for one in both}
+    assert "a wrong place is given" == cut_sets(top_event(whole), [*alone, *both]).top
+
+
+def test_a_hazard_stands_beside_the_interval() -> None:
+    """What is wrong of the interval stands first; harmless is only what does no harm to either."""
+    narrow = replace(target(), hazard=Hazard("it is wide", ("never wider", "nothing")))
+    assert "a reported interval misses the truth, or it is wide" == top_event(narrow)
+    ends = {one.broken[0]: one.end for one in _alone(breaking(), narrow)}
+    assert ("withdrawn", "contained") == (ends[MEASURED], ends[FIRST])
+    kept = end_in_words(narrow, Effect((FIRST,), end="contained"))
+    assert kept.endswith("; proved never: it is wide")
+
+
+def test_what_is_not_decided_may_be_a_hazard() -> None:
+    """Neither a proof nor a run was found with hardly any effort."""
+    found = _alone(Breaking(Limits(seconds=0.0001), 1, Heard()), _hazardous())
+    assert "undecided" in {one.end for one in found}
+    assert {"undecided", "no hazard", "hazard"} >= {one.end for one in found}
+
+
+def test_a_hazard_of_an_unknown_property_is_refused() -> None:
+    """The message says which, and what is near."""
+    wrong = replace(target(), hazard=Hazard("it is wrong", ("containmnt",)))
+    with pytest.raises(
+        InputError, match=r"receivers: the hazard names the property 'containmnt'; there is none\..*containment"
+    ):
+        top_claims(wrong)
 
 
 @pytest.mark.thorough
@@ -135,7 +194,7 @@ def test_what_is_not_decided_is_said() -> None:
     """With hardly any effort neither is claimed; it may be a cut set."""
     found = _alone(Breaking(Limits(seconds=0.0001), 1, Heard()), target())
     assert "undecided" in {one.end for one in found}
-    assert cut_sets(found).undecided
+    assert cut_sets(INTERVAL, found).undecided
 
 
 def test_effect_and_data_are_each_other() -> None:
@@ -184,7 +243,7 @@ def test_a_clause_that_is_not_assumed_is_refused() -> None:
 
 def test_the_fault_tree_is_open_psa() -> None:
     """One `or` of events and of `and`s; every event is defined once; what is not decided stands in a comment."""
-    sets = CutSets(((MEASURED,), (FIRST, SECOND)), ((ENDS,),))
+    sets = CutSets(INTERVAL, ((MEASURED,), (FIRST, SECOND)), ((ENDS,),))
     text = to_open_psa("receivers", sets, ids_of(target()))
     root = ElementTree.fromstring(text.partition("\n")[2])
     gate = root.find("define-fault-tree/define-gate")
@@ -201,19 +260,26 @@ def test_the_fault_tree_is_open_psa() -> None:
 def test_one_event_needs_no_gate_and_none_is_never_true() -> None:
     """An `or` of one would be no formula of the format."""
     alone = ElementTree.fromstring(
-        to_open_psa("receivers", CutSets(((MEASURED,),), ()), ids_of(target())).partition("\n")[2]
+        to_open_psa("receivers", CutSets(INTERVAL, ((MEASURED,),), ()), ids_of(target())).partition("\n")[2]
     )
     assert alone.find("define-fault-tree/define-gate/basic-event") is not None
-    none = ElementTree.fromstring(to_open_psa("receivers", CutSets((), ()), {}).partition("\n")[2])
+    none = ElementTree.fromstring(to_open_psa("receivers", CutSets(INTERVAL, (), ()), {}).partition("\n")[2])
     constant = none.find("define-fault-tree/define-gate/constant")
     assert constant is not None and "false" == constant.get("value")
 
 
-@pytest.mark.parametrize("sets", [CutSets(((MEASURED,), (FIRST, SECOND)), ((ENDS,),)), CutSets((), ())])
+@pytest.mark.parametrize(
+    "sets",
+    [
+        CutSets(INTERVAL, ((MEASURED,), (FIRST, SECOND)), ((ENDS,),)),
+        CutSets("a section is reported clear with a vehicle in it", (), ()),
+    ],
+)
 def test_the_picture_names_every_set(sets: CutSets) -> None:
     """In words, the undecided ones marked; it is well-formed."""
     drawn = fault_tree("receivers", sets, ids_of(target()))
     told = "".join(ElementTree.fromstring(drawn).itertext())
+    assert "".join(sets.top.split()) in "".join(told.split())
     for one in (*sets.found, *sets.undecided):
         assert " AND ".join(f"{ids_of(target())[clause]} {clause.name}" for clause in one) in told
     assert ("(not decided)" in told) is bool(sets.undecided)

@@ -10,16 +10,18 @@ import pytest
 
 from safeloc.assurance.mutation.claims import Canon
 from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
-from safeloc.assurance.mutation.judge_composition_mutant import shared
+from safeloc.assurance.mutation.judge_composition_mutant import composition_bench, of_wire, shared
 from safeloc.assurance.mutation.members import Composed, composed, joined
 from safeloc.assurance.mutation.places import Places, noted
 from safeloc.assurance.mutation.results import Judged, by_requirement
+from safeloc.assurance.mutation.rewired import rewired
 from safeloc.assurance.mutation.wires import wire_edits
 from safeloc.assurance.mutation.work import Plan
 from safeloc.errors import InputError
+from safeloc.language.terms import alike
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
-from tests.assurance.mutation.door import target
+from tests.assurance.mutation.door import listening, target
 
 PLAN = Plan(Limits(seconds=2), 0, 2)
 
@@ -83,6 +85,33 @@ def test_a_wrong_wire() -> None:
     )
     assert "survived" == cut.everywhere.fate
     assert {"watched_door"} == {crossed.machine, cut.machine}
+
+
+def test_a_claim_speaks_of_the_wire_that_is_there() -> None:
+    """A claim about a wired input holds the term on its wire: made again with the cut wire it fails, as it stood it could not."""
+    with noted() as places:
+        whole = listening()
+    fates = []
+    for again in (listening, None):
+        listened = composed(whole, places, again)
+        [cut] = [edit for edit in wire_edits(listened) if edit.mutant.words == "the wire to silent is cut"]
+        made = of_wire(composition_bench(listened, PLAN.limits), cut)
+        fates.append((made.fate, made.by))
+    assert [("no longer proved", ("property silence is heard",)), ("survived", ())] == fates
+
+
+def test_made_again_with_the_right_wires_nothing_has_changed() -> None:
+    """In the variables of the first one, values before the step included."""
+    with noted() as places:
+        whole = listening()
+    listened, canon = composed(whole, places, listening), Canon()
+    made = rewired(listened, listened.plan.wires)
+    now, was = shared(made.system, canon), shared(whole.system, canon)
+    assert all(now.next[var] is was.next[var] for var in was.state)
+    assert [alike(one.term, other.term) for one, other in zip(made.claims, listened.claims, strict=True)] == [
+        True,
+        True,
+    ]
 
 
 def test_what_nothing_notices_survives() -> None:

@@ -8,7 +8,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import MM
 from safeloc.proof.provers.proved_base import base
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 

@@ -10,7 +10,6 @@ from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import Bool, NumVar, number
 from safeloc.language.nodes import product
 from safeloc.language.render import infix
-from safeloc.language.terms import conjuncts
 from safeloc.language.units import MM
 from safeloc.proof.cache import answers
 from safeloc.proof.cache.answers import keep_needed, kept_in, needed_before
@@ -107,10 +106,6 @@ def test_a_proposal_of_other_hypotheses_is_no_crash(tmp_path: Path, data: bytes)
     with kept_in(store):
         store.put(answers.NEEDED, answers._key("z3", text), data)
         assert needed_before(text, 2) in (None, [])
-
-
-def _parts(one: Query[str]) -> list[Bool]:
-    return [part for term in one.hypotheses for part in conjuncts(term)]
 
 
 def _without(one: Query[str], left_out: Bool) -> list[Bool]:

@@ -9,8 +9,8 @@ import pytest
 from safeloc.catalogue import load_target
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved
+from safeloc.proof.drawn_runs.quick import quick_run
 from safeloc.proof.results import Finding
-from safeloc.proof.runs.quick import quick_run
 from safeloc.proof.verification.plain import Plain, pack_findings, unpack_findings
 from safeloc.runtime.streams.steps import read_steps
 

@@ -9,7 +9,7 @@ from safeloc.catalogue import load_target
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Program
 from safeloc.runtime.streams.records import DistanceRecord, End, MarkerRecord, Record
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 
 PERIOD_MS = 100
 STEP_MM = 1_200

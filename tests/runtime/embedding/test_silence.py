@@ -15,7 +15,7 @@ from safeloc.proof.provers.implication import unproved
 from safeloc.runtime.border import Reason
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.cycle_length import periods
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.runtime.embedding.driving import shipped
 

@@ -20,7 +20,7 @@ from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program
 from safeloc.runtime.embedding.snapshot import sealed
 from safeloc.runtime.streams.records import ValueRecord
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.runtime.embedding.driving import distances, drive, shipped, trusting

@@ -17,7 +17,7 @@ from safeloc.runtime.embedding.controller import MOST_RECORDS
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import Line
 from safeloc.runtime.streams.steps import SCHEMA
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.runtime.embedding.driving import distances, drive, trusting

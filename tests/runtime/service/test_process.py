@@ -16,7 +16,7 @@ import pytest
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller
 from safeloc.runtime.streams.records import TruthRecord
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 from tests.cli.calling import Call, caller
 from tests.runtime.embedding.driving import drive, trusting
 from tests.runtime.service.processes import (

@@ -77,7 +77,7 @@ def compose_field(
     assert source.own.length is not None
     wires: dict[Var, Expr] = {source.own.length: field.length}
     for unit in source.own.units:
-        wires |= {unit.step.present: TRUE, unit.step.value: field.step}
+        wires |= {unit.measured.present: TRUE, unit.measured.value: field.step}
     wires |= readings(field, *source.own.readers)
     around = world(field, config.limits, arrangement)
     joined = compose("marker_field", [around, source.machine], wires)

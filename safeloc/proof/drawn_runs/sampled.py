@@ -15,10 +15,11 @@ from safeloc.language.interpret import start, step
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import present_inputs
-from safeloc.proof.runs.lawful import Repair, first_state
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
+from safeloc.proof.drawn_runs.lawful import Repair, first_state
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
 from safeloc.runtime.streams.gzipped import name_of
 from safeloc.runtime.streams.steps import Cell, read_steps
+from safeloc.simulated import first_values
 from safeloc.target import Target
 
 STRETCH = 12
@@ -29,16 +30,15 @@ def sampled_runs(target: Target, *, seed: int = 0, steps: int = 200) -> list[Run
     on_board = without_ghosts(target.system)
     runs = [recorded_run(on_board, path, steps) for path in target.streams]
     if target.simulate is not None:
-        runs.append(Run("simulated", _read(on_board, target.simulate(seed)[:steps])))
+        made = target.simulate(seed)
+        runs.append(Run("simulated", _read(on_board, made[:steps]), _kept(on_board, first_values(made))))
     return [*runs, drawn_run(target.system, seed, steps, lawful=True), drawn_run(on_board, seed, steps, lawful=False)]
 
 
 def recorded_run(on_board: TransitionSystem, path: Path, steps: int) -> Run:
     """Return a shipped stream as the system on board reads it, up to `steps` steps."""
     stream = read_steps(path)
-    kept = {var.name for var in on_board.state}
-    first = {name: value for name, value in stream.first.items() if name in kept}
-    return Run(name_of(path), _read(on_board, stream.steps[:steps]), first)
+    return Run(name_of(path), _read(on_board, stream.steps[:steps]), _kept(on_board, stream.first))
 
 
 def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) -> Run:
@@ -51,9 +51,7 @@ def drawn_run(system: TransitionSystem, seed: int, steps: int, *, lawful: bool) 
     first = first_state(system, draw)
     on_board = without_ghosts(system)
     rows = _read(on_board, list(_drawn(system, first, draw, steps, lawful)))
-    kept = {var.name for var in on_board.state}
-    chosen = {name: value for name, value in first.items() if name in kept}
-    return Run("lawful" if lawful else "any inputs in range", rows, chosen)
+    return Run("lawful" if lawful else "any inputs in range", rows, _kept(on_board, first))
 
 
 def _drawn(
@@ -70,6 +68,12 @@ def _drawn(
         if inputs is not None:
             state, _ = step(system, state, inputs)
             yield present_inputs(system, {var.name: value for var, value in inputs.items()})
+
+
+def _kept(on_board: TransitionSystem, first: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the first values of the system on board, without those of ghosts."""
+    kept = {var.name for var in on_board.state}
+    return {name: value for name, value in first.items() if name in kept}
 
 
 def _read(on_board: TransitionSystem, steps: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Cell]]:

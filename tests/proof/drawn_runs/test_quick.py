@@ -12,8 +12,8 @@ from safeloc.language.expr import TRUE, NumVar
 from safeloc.language.interpret import run
 from safeloc.language.monitor import Checks, check_all
 from safeloc.language.units import ONE
-from safeloc.proof.runs import quick
-from safeloc.proof.runs.quick import PAYS, SAMPLED, Again, Quick, quick_run, run_again
+from safeloc.proof.drawn_runs import quick
+from safeloc.proof.drawn_runs.quick import PAYS, SAMPLED, Again, Quick, quick_run, run_again
 from safeloc.runtime.streams.steps import read_steps
 
 TARGET = load_target("stop_point")

@@ -14,8 +14,8 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import word
 from safeloc.language.world import World
-from safeloc.proof.runs import driver as driver_module
-from safeloc.proof.runs.driver import Driver
+from safeloc.proof.drawn_runs import driver as driver_module
+from safeloc.proof.drawn_runs.driver import Driver
 from safeloc.proof.testing import run_tests
 from tests.examples import EXAMPLES, Example
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from safeloc.catalogue import load_target
 from safeloc.language.interpret import holds, read_inputs, run
 from safeloc.language.system import environment, lower, without_ghosts
-from safeloc.proof.runs.sampled import drawn_run, sampled_runs
+from safeloc.proof.drawn_runs.sampled import drawn_run, sampled_runs
 from safeloc.runtime.streams.gzipped import name_of
 from tests.examples import EXAMPLES, build_odometer
 

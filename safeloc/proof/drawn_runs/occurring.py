@@ -17,7 +17,7 @@ from safeloc.language.nodes import Past, Value
 from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import in_order, variables
-from safeloc.proof.runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.allowed import compiled_terms
 
 Key = tuple[int, int]
 """Number of the property, and of its case."""

@@ -1,6 +1,6 @@
 """Driver of runs: it runs a system with the observers of its properties, exactly as the interpreter would.
 
-A run consists of stretches of inputs (safeloc.proof.runs.profiles). Plausible stretches are repaired step by step so that the
+A run consists of stretches of inputs (safeloc.proof.drawn_runs.profiles). Plausible stretches are repaired step by step so that the
 assumption holds. A faulty stretch is used unchanged; once it has broken the assumption, only unconditional properties are
 still required.
 
@@ -24,11 +24,11 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, observe, watch
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world
 from safeloc.language.trace import Trace
+from safeloc.proof.drawn_runs.allowed import Slack
+from safeloc.proof.drawn_runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
+from safeloc.proof.drawn_runs.occurring import Key, Occurring
+from safeloc.proof.drawn_runs.profiles import Profile
 from safeloc.proof.provers.shorten import shortened
-from safeloc.proof.runs.allowed import Slack
-from safeloc.proof.runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
-from safeloc.proof.runs.occurring import Key, Occurring
-from safeloc.proof.runs.profiles import Profile
 
 MOST_ROWS = 200_000
 """Rows of inputs that a driver remembers: some 400 MB for a machine of 200 inputs. Beyond them it forgets all and begins anew."""
@@ -88,7 +88,9 @@ class _Known:
 
 @dataclass(frozen=True)
 class _Stretch:
-    """Where a stretch led to: the rows of inputs that it added, the state after them, and what had held until then."""
+    """The end of a stretch: the rows of inputs that it added, the state after them, and the properties that had held
+    until then.
+    """
 
     rows: tuple[Row, ...]
     state: Row
@@ -181,7 +183,7 @@ class Driver:
         return next((which for which, known in enumerate(self._known) if known.breaks), None)
 
     def drive(self, kind: str, length: int, seed: int, *, faulty: bool = False, lean: int | None = None) -> None:
-        """Make up to `length` steps by one rule of safeloc.proof.runs.profiles.
+        """Make up to `length` steps by one rule of safeloc.proof.drawn_runs.profiles.
 
         lean  seed of the side to which the environment leans
         """

@@ -14,7 +14,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical, lower
 from safeloc.language.units import COUNT, MM
-from safeloc.proof.runs.profiles import FAULTY, PLAUSIBLE, Profile
+from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
 
 KINDS = tuple(dict.fromkeys(PLAUSIBLE + FAULTY))
 (ON,) = modes("ON")

@@ -20,7 +20,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import variables
 from safeloc.language.trace import Step, Trace
-from safeloc.proof.runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.allowed import compiled_terms
 
 SAMPLED = 50
 PAYS = 100

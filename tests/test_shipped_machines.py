@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from safeloc import shipped
+from safeloc import shipped_machines
 from safeloc.catalogue import load_target
 from safeloc.errors import InputError, ModelError
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.shipped import ENTRIES, folders
+from safeloc.shipped_machines import ENTRIES, folders
 from safeloc.target import Entry, Family
 
 ROOT = Path(__file__).parents[1]
@@ -27,7 +27,7 @@ def test_a_machine_is_found_without_the_others() -> None:
     """Asked for by the name of its folder it is imported alone, and is the same entry afterwards."""
     code = """
 import sys
-from safeloc.shipped import ENTRIES
+from safeloc.shipped_machines import ENTRIES
 one = ENTRIES["axle_head"]
 print(sorted(name for name in sys.modules if name.startswith("safeloc.models.") and name.endswith(".target")))
 print("no machine" in ENTRIES, len(ENTRIES), ENTRIES["axle_head"] is one, dict(ENTRIES)["axle_head"] is one)
@@ -55,9 +55,9 @@ def test_the_order_is_stated() -> None:
 
 def with_folders(monkeypatch: pytest.MonkeyPatch, **declared: object) -> None:
     """The catalogue as it would be with these folders, each with what its target.py calls ENTRIES."""
-    monkeypatch.setattr(shipped, "folders", lambda: list(declared))
+    monkeypatch.setattr(shipped_machines, "folders", lambda: list(declared))
     monkeypatch.setattr(
-        shipped,
+        shipped_machines,
         "import_module",
         lambda name: SimpleNamespace(__file__=f"{name}.py", ENTRIES=declared[name.split(".")[2]]),
     )
@@ -69,14 +69,14 @@ def test_a_machine_without_a_place_comes_last_in_its_family(monkeypatch: pytest.
         Entry(name, "", DelocalizedConfig, ENTRIES["delocalized"].maker, Family.ODOMETRY) for name in ("b", "a")
     )
     with_folders(monkeypatch, u=(ENTRIES["balise"],), v=(one,), w=(two,), x=(ENTRIES["delocalized"],))
-    assert ["delocalized", "a", "b", "balise"] == list(shipped.found())
+    assert ["delocalized", "a", "b", "balise"] == list(shipped_machines.found())
 
 
 def test_a_name_that_two_folders_declare_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """The message names both."""
     with_folders(monkeypatch, first=(ENTRIES["emitter"],), second=(replace(ENTRIES["emitter"], place=1),))
     with pytest.raises(ModelError, match=r"^models/first and models/second both declare a machine 'emitter'\.$"):
-        shipped.found()
+        shipped_machines.found()
 
 
 @pytest.mark.parametrize("wrong", [None, (), [ENTRIES["emitter"]], ("emitter",)])
@@ -84,7 +84,7 @@ def test_a_target_that_declares_no_entry_is_refused(wrong: object, monkeypatch: 
     """Otherwise a machine would be missing in silence."""
     with_folders(monkeypatch, lamp=wrong)
     with pytest.raises(ModelError, match=r"^safeloc\.models\.lamp\.target\.py: ENTRIES is .*; declare a tuple of entr"):
-        shipped.found()
+        shipped_machines.found()
 
 
 def test_a_configuration_of_another_machine_is_refused() -> None:

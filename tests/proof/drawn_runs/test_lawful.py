@@ -16,8 +16,8 @@ from safeloc.language.system import TransitionSystem, environment, lower
 from safeloc.language.units import MM, NM
 from safeloc.language.world import World
 from safeloc.models import odometry
-from safeloc.proof.runs.lawful import Repair, first_state
-from safeloc.proof.runs.profiles import PLAUSIBLE, Profile
+from safeloc.proof.drawn_runs.lawful import Repair, first_state
+from safeloc.proof.drawn_runs.profiles import PLAUSIBLE, Profile
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")

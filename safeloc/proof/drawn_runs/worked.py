@@ -28,11 +28,16 @@ class WorkedRun(Generic[Config_]):
     first: Mapping[str, Value] = field(default_factory=dict)
 
 
-def write_runs(folder: Path, runs: Mapping[str, WorkedRun[Config_]], config: Config_) -> list[Path]:
-    """Write each run as a recording of the machine with which its name begins, `MACHINE-what-happens`; return the paths."""
+def write_runs(
+    folder: Path, runs: Mapping[str, WorkedRun[Config_]], config: Config_, *, short: bool = False
+) -> list[Path]:
+    """Write each run as a recording of the machine with which its name begins, `MACHINE-what-happens`; return the paths.
+
+    short  leave out, in each step, what is as in the step before
+    """
     paths = [folder / f"{name}.jsonl.gz" for name in runs]
     for path, (name, run) in zip(paths, runs.items(), strict=True):
-        write_steps(path, run.steps(config), machine=name.partition("-")[0], first=run.first)
+        write_steps(path, run.steps(config), machine=name.partition("-")[0], first=run.first, short=short)
     return paths
 
 

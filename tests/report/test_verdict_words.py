@@ -19,7 +19,7 @@ from safeloc.proof.results import Finding, Findings
 from safeloc.report.data import report_data, schema
 from safeloc.report.junit import to_junit
 from safeloc.report.page import to_html
-from safeloc.report.told import requirement_lines, requirement_verdict, told_of
+from safeloc.report.verdict_words import requirement_lines, requirement_verdict, told_of
 from tests.report import lamp
 
 REACHED = reachable(

@@ -15,8 +15,8 @@ from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Held, Result, Unknown, Vacuous
 from safeloc.language.world import World
-from safeloc.proof.runs.driver import Driver
-from safeloc.proof.runs.lawful import NoFirstStateError
+from safeloc.proof.drawn_runs.driver import Driver
+from safeloc.proof.drawn_runs.lawful import NoFirstStateError
 from safeloc.proof.testing import run_tests
 
 (ON,) = modes("ON")

@@ -19,7 +19,7 @@ from safeloc.language.interpret import start
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.proof.runs.allowed import Condition, Segment, common, falsifiable
+from safeloc.proof.drawn_runs.allowed import Condition, Segment, common, falsifiable
 
 _REPAIRS = 20
 ATTEMPTS = 5

@@ -20,7 +20,7 @@ from safeloc.language.expr import BoolVar, Num, NumVar, Var
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.units import COUNT, Enumeration
-from safeloc.proof.runs.lawful import Pick, any_end
+from safeloc.proof.drawn_runs.lawful import Pick, any_end
 
 PLAUSIBLE = ("steady", "steady", "ramp", "standstill", "reversal", "ends", "random")
 FAULTY = ("stuck", "silent", "zero", "scaled", "ends", "random")

@@ -15,7 +15,7 @@ from safeloc.models.localizer.own_source import Maker, own_source, vehicle_of
 from safeloc.models.localizer.target import LOCALIZER, localized
 from safeloc.properties import own_source as own_source_properties
 from safeloc.reported import Reported
-from safeloc.shipped.source_kinds import KINDS, WITH_SOURCES
+from safeloc.shipped_machines.source_kinds import KINDS, WITH_SOURCES
 from safeloc.target import Target
 
 
