@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from safeloc.codegen.batch_steps import Steps, compile_steps
+from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.vocabulary.error_law import ErrorLaw
@@ -22,7 +22,7 @@ _TOLD = ("distance_mm", "told", "more_nm")
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: str, libraries: Path | None) -> Steps:
+def _on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
     system = without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine))
     return compile_steps(system, _TOLD, folder=libraries)

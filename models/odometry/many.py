@@ -22,7 +22,7 @@ from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import Distances, Reading, faulty, measured, passages
+from safeloc.simulation.sensors import Distances, faulty, measured, passages
 
 MISSED = "missed"
 
@@ -92,12 +92,14 @@ def simulate_alike(
 ) -> dict[str, Array]:
     """Return the inputs of vehicles on one run, without drop-outs and markers missed, from the draws of single runs.
 
+    A fault of a reader at a time without a reading changes nothing.
+
     first_unit, second_unit  distances [cycle, vehicle] of the front end's units, as in `simulate`
     """
     cycles, vehicles = len(motion.position_nm), len(rngs)
     units, readings = sensed(
         config, motion, rngs, faults, markers=markers, marker_accuracy_mm=1_000, dropout=0, missed=0, foreign=0,
-        first_unit=first_unit, second_unit=second_unit,
+        first_unit=first_unit, second_unit=second_unit, anywhen=True,
     )  # fmt: skip
     inputs = absent_everywhere(system, cycles, vehicles)
     inputs["true_step_nm"][:] = motion.step_nm[:, None]
@@ -159,21 +161,10 @@ def _read(
         readings = passages(position[:, run], 0, end, offset_mm, markers, shifts[run], accuracy_mm)
         lost = set(identities[unread[run]].tolist())
         seen = [one for one in readings if one.marker not in lost]
-        faults = [one for one in drawn.faults[run] if one.strikes(READERS[end]) and _hits(one, seen, identities)]
-        for one in with_faults(READERS[end], seen, markers, faults):
+        faults = [one for one in drawn.faults[run] if one.strikes(READERS[end])]
+        for one in with_faults(READERS[end], seen, markers, faults, anywhen=True):
             if one.cycle < cycles:
                 _write(inputs, reading_inputs(config, one, int(position[one.cycle, run])), one.cycle, run)
-
-
-def _hits(fault: Fault, readings: Sequence[Reading], identities: NDArray[np.int64]) -> bool:
-    """Return whether a fault drawn at some time changes a reading: between markers, and where no other marker is near, it does not."""
-    hit = [one.marker for one in readings if fault.active(one.cycle)]
-    if fault.kind != "misplaced":
-        return bool(hit)
-    places = [
-        int(np.flatnonzero(identities == marker)[0]) + reader_faults.KINDS.figure(fault, "reach") for marker in hit
-    ]
-    return bool(places) and 0 <= min(places) and max(places) < len(identities)
 
 
 def _write(inputs: dict[str, Array], cells: Mapping[str, int | bool], cycle: int, run: int) -> None:

@@ -85,10 +85,12 @@ def sensed(
     foreign: float,
     first_unit: Distances | None,
     second_unit: Distances | None,
+    anywhen: bool = False,
 ) -> tuple[list[Distances], list[list[Reading]]]:
     """Return what the units and readers of vehicles on one run tell, each vehicle with its generator and faults.
 
-    Distances are arrays [cycle, vehicle]; the readings of each vehicle are those of both readers.
+    Distances are arrays [cycle, vehicle]; the readings of each vehicle are those of both readers. With `anywhen` a reader's fault may
+    begin and end without a reading; else InputError.
     """
     ends = ("front", "rear")[: config.devices]
     laws = (config.first_unit, config.second_unit)
@@ -112,7 +114,7 @@ def sensed(
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
         for vehicle, rng in enumerate(rngs):
             read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
-            readings[vehicle] += with_faults(name, read, known, of_readers[vehicle])
+            readings[vehicle] += with_faults(name, read, known, of_readers[vehicle], anywhen=anywhen)
     return units, readings
 
 

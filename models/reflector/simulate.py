@@ -8,16 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 
 import numpy as np
 
-from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.language.nodes import Value
-from safeloc.language.system import without_ghosts
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector.simulation.draws import OfOne
-from safeloc.models.reflector.simulation.many import simulate_many, with_world
+from safeloc.models.reflector.simulation.many import on_board, simulate_many
 from safeloc.models.reflector.simulation.radar import ECHO, MODELS, Radars, empty_slots, intensity_cdb
 from safeloc.models.reflector.simulation.scene import (
     FIGURE_1,
@@ -69,14 +66,8 @@ def simulate(
         "wheel", motion, config.odometer, rng, dropout=scene.dropout, faults=scene.sensor_faults
     )
     inputs = simulate_many(config, scene, motion, odometer.as_column, [scene.disturbances], OfOne(rng))
-    refuse_beyond_ranges(_on_board(config.model_dump_json()).system, inputs)
+    refuse_beyond_ranges(on_board(config.model_dump_json(), None).system, inputs)
     return _steps(config, motion, {name: values[:, 0].tolist() for name, values in inputs.items()})
-
-
-@lru_cache(maxsize=8)
-def _on_board(config: str) -> Compiled:
-    """Return the machine without its world, cached for further runs with the same configuration (JSON)."""
-    return compile_system(without_ghosts(with_world(config)))
 
 
 def next_on_map(route: Route, reported: Mapping[str, Value], passed_mm: int | None) -> dict[str, Cell]:
@@ -100,6 +91,14 @@ def next_on_map(route: Route, reported: Mapping[str, Value], passed_mm: int | No
     }
 
 
+_OPTIONAL = (
+    "step_mm", "balise", "balise_position_mm", "balise_accuracy_mm", "balise_since_mm", "balise_search_from_mm",
+)  # fmt: skip
+"""Inputs of odometer and balises, each present or absent, in the order of a step."""
+_NEXT = ("next_position_mm", "next_model", "next_view_from_mm", "next_view_to_mm", "next_clear_mm")
+"""Inputs of the next reflector, which are present together."""
+
+
 def _steps(config: ReflectorConfig, motion: Motion, columns: Mapping[str, list[int]]) -> Steps:
     """Return the run of the only vehicle as steps."""
     slots = range(1, config.echo_slots + 1)
@@ -118,13 +117,6 @@ def _steps(config: ReflectorConfig, motion: Motion, columns: Mapping[str, list[i
         step |= {name: row[name] for name in ("next_radar_bias_nm", "true_step_nm", "next_wander_nm")}
         steps.append({**step, "truth_mm": int(place) // NM_PER_MM})
     return steps
-
-
-_OPTIONAL = (
-    "step_mm", "balise", "balise_position_mm", "balise_accuracy_mm", "balise_since_mm", "balise_search_from_mm",
-)  # fmt: skip
-_NEXT = ("next_position_mm", "next_model", "next_view_from_mm", "next_view_to_mm", "next_clear_mm")
-"""Inputs that are present together, and those that are absent by themselves, in the order of a step."""
 
 
 def _labelled(name: str, value: int) -> Cell:
@@ -175,7 +167,7 @@ def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
 
 def outputs_along(config: ReflectorConfig, stream: Sequence[Mapping[str, Cell]]) -> list[Mapping[str, Value]]:
     """Return the outputs of the machine on board after each step of a simulated stream."""
-    code = _on_board(config.model_dump_json())
+    code = on_board(config.model_dump_json(), None).python
     state, outputs = code.first(), list[Mapping[str, Value]]()
     for record in stream:
         state, _ = code.step(state, code.read(board(record)))

@@ -126,14 +126,6 @@ def packed(system: TransitionSystem, streams: Sequence[Sequence[Mapping[str, Cel
     return inputs
 
 
-def up_to(system: TransitionSystem, inputs: Mapping[str, Array], cycles: int) -> dict[str, Array]:
-    """Return the first cycles of the inputs. InputError if there are fewer."""
-    known = len(next(iter(inputs.values())))
-    if known < cycles:
-        raise InputError(f"{system.name}: a simulated run has {known} cycles; ask for no more than that.")
-    return {name: values[:cycles] for name, values in inputs.items()}
-
-
 def joined(parts: Sequence[tuple[NDArray[np.int64], ManyRuns]], vehicles: int) -> ManyRuns:
     """Return the runs of several groups of vehicles, each at its own place."""
     if len(parts) == 1:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from safeloc.codegen.batch_steps import Steps, compile_steps
+from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise import machine
@@ -61,7 +61,7 @@ def _with_world(config: str) -> TransitionSystem:
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: str, libraries: Path | None) -> Steps:
+def _on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
     return compile_steps(without_ghosts(_with_world(config)), ASKED, folder=libraries)
 
@@ -106,7 +106,7 @@ def _of_odometers(
 
 
 def _announced(
-    config: BaliseConfig, line: Line, code: Steps, inputs: Mapping[str, Array], writer: Writer
+    config: BaliseConfig, line: Line, code: Stepped, inputs: Mapping[str, Array], writer: Writer
 ) -> list[dict[int, Mapping[str, Cell]]]:
     """Run the machines on board; write what the map announces into the inputs, and return it for each vehicle by cycles."""
     own = {var.name: inputs[var.name] for var in code.system.inputs}

@@ -76,7 +76,7 @@ def satellite(vehicles: Vehicles) -> Columns:
 def _within(stretches: Sequence[Stretch], places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
     found = np.zeros(places_mm.shape, dtype=np.bool_)
     for one in stretches:
-        found |= (one.begin_mm <= places_mm) & (places_mm < one.end_mm)
+        found |= one.holds(places_mm)
     return found
 
 

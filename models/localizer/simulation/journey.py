@@ -56,9 +56,9 @@ class Stretch:
     begin_mm: int
     end_mm: int
 
-    def holds(self, place_mm: int) -> bool:
-        """Return whether a place, mm, lies in the stretch."""
-        return self.begin_mm <= place_mm < self.end_mm
+    def holds(self, places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return which places, mm, lie in the stretch."""
+        return np.asarray((self.begin_mm <= places_mm) & (places_mm < self.end_mm), dtype=np.bool_)
 
 
 @dataclass(frozen=True)
@@ -108,10 +108,6 @@ class Journey:
     def undecided(self, place_mm: int) -> bool:
         """Return whether either branch is possible at a place, so that no satellite signal can be predicted."""
         return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
-
-    def trouble(self, kind: str, cycle: int) -> Fault | None:
-        """Return the fault of a kind that acts in a cycle, if there is one."""
-        return next((one for one in self.troubles if one.kind == kind and one.active(cycle)), None)
 
 
 def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:

@@ -16,7 +16,7 @@ from safeloc.models.localizer.simulation.journeys import NOMINAL
 from safeloc.models.localizer.simulation.simulate import KINDS, first_state
 from safeloc.models.localizer.simulation.sources import Fleet
 from safeloc.simulation.faults import Kinds
-from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, joined, up_to
+from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, joined
 from safeloc.simulation.motion import Leg
 
 
@@ -61,7 +61,7 @@ class LocalizerJourneys:
     def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
         """Return the runs of the vehicles."""
         seeds, nominal = rng.integers(0, 2**31, drawn.vehicles).tolist(), NOMINAL[self.line]
-        nominal = replace(nominal, legs=_first(nominal.legs, cycles * self.period_ms / 1_000))
+        nominal = replace(nominal, legs=_for_seconds(nominal.legs, cycles * self.period_ms / 1_000))
         satellites = np.rint(drawn.figures["satellites"]).astype(np.int64).tolist()
         alike: dict[frozenset[str], list[int]] = {}
         for run, faults in enumerate(drawn.faults):
@@ -72,15 +72,15 @@ class LocalizerJourneys:
             journeys = [replace(nominal, satellites=satellites[run], troubles=drawn.faults[run]) for run in which]
             vehicles = Vehicles(self.config, journeys, [seeds[run] for run in which])
             inputs = Fleet(vehicles, self.system, self.libraries).inputs()
-            parts.append((np.array(which), ManyRuns(up_to(self.system, inputs, cycles))))
+            parts.append((np.array(which), ManyRuns({name: values[:cycles] for name, values in inputs.items()})))
         return ManyRuns(joined(parts, drawn.vehicles).inputs, first_state(self.config, nominal))
 
 
-def _first(legs: Sequence[Leg], seconds: float) -> list[Leg]:
-    """Return the legs of the first seconds: what follows need not be simulated."""
+def _for_seconds(legs: Sequence[Leg], seconds: float) -> list[Leg]:
+    """Return the legs of the first seconds; a vehicle whose journey ends before stands where it ends."""
     kept: list[Leg] = []
     for leg in legs:
         if seconds > 0:
             kept.append(replace(leg, seconds=min(leg.seconds, seconds)))
         seconds -= leg.seconds
-    return kept
+    return [*kept, Leg(0, seconds)] if seconds > 0 else kept

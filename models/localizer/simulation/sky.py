@@ -52,6 +52,7 @@ def noise(config: SelectionConfig, received: NDArray[np.int64], rngs: list[np.ra
     signals = np.empty((2 * config.channels, cycles, vehicles))
     solution = np.zeros((2, cycles, vehicles))
     own, solved_own = np.empty((cycles, 2 * config.channels)), np.zeros((cycles, 2))
+    rows, pairs = list(own), list(solved_own)
     for vehicle, rng in enumerate(rngs):
         solved = received[:, vehicle] >= config.warm_up_cycles
         edges = [0, *(np.flatnonzero(np.diff(solved)) + 1).tolist(), cycles]
@@ -60,9 +61,9 @@ def noise(config: SelectionConfig, received: NDArray[np.int64], rngs: list[np.ra
             if not solved[begin]:
                 rng.standard_normal(out=own[begin:end])
                 continue
-            for cycle in range(begin, end):
-                rng.standard_normal(out=own[cycle])
-                rng.random(out=solved_own[cycle])
+            for row, pair in zip(rows[begin:end], pairs[begin:end], strict=True):
+                rng.standard_normal(out=row)
+                rng.random(out=pair)
         signals[:, :, vehicle], solution[:, :, vehicle] = own.T, solved_own.T
     return Noise(signals, solution)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.codegen.batch_steps import Steps, compile_steps
+from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.language.expr import NumVar
 from safeloc.language.system import TransitionSystem, canonical, lower, without_ghosts
 from safeloc.language.units import NM_PER_MM
@@ -31,15 +31,15 @@ _TOLD = ("valid", "reflector_model", "reflector_position_mm", "position_mm", "ma
 
 
 @lru_cache(maxsize=8)
-def with_world(config: str) -> TransitionSystem:
+def _with_world(config: str) -> TransitionSystem:
     """Return the machine with its world for a configuration (JSON)."""
     return lower(machine(ReflectorConfig.model_validate_json(config)))
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: str, libraries: Path | None) -> Steps:
+def on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
-    return compile_steps(without_ghosts(with_world(config)), _TOLD, folder=libraries)
+    return compile_steps(without_ghosts(_with_world(config)), _TOLD, folder=libraries)
 
 
 def simulate_many(
@@ -58,7 +58,7 @@ def simulate_many(
     libraries     folder for compiled machines; None: a temporary one
     """
     made = config.model_dump_json()
-    inputs = _of_vehicles(config, with_world(made), motion, odometers)
+    inputs = _of_vehicles(config, _with_world(made), motion, odometers)
     passed, radars = _passed(motion, scene.route), Radars(config, scene, disturbances, draws)
     numbers = np.zeros(odometers.step_mm.shape, dtype=np.int64)
     slots = empty_slots(config.echo_slots, numbers.shape)
@@ -75,9 +75,9 @@ def simulate_many(
     for slot in range(config.echo_slots):
         inputs |= {f"echo_{slot + 1}_{name}": values[slot] for name, values in slots.items()}
         inputs[f"echo_{slot + 1}_range_mm.present"] = numbers > slot
-    code = _on_board(made, libraries)
+    code = on_board(made, libraries)
     runs = code.begin(through_border(code.system, {var.name: inputs[var.name] for var in code.system.inputs})[0])
-    line = _Map(scene.route, with_world(made), inputs)
+    line = _Map(scene.route, _with_world(made), inputs)
     for cycle in range(len(motion.position_nm)):
         line.answer(cycle, runs.told, passed.get(cycle))
         runs.step(cycle)
