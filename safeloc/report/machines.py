@@ -62,7 +62,7 @@ def _formula(target: Target, prop: Property) -> dict[str, Any]:
     named = {name: term for machine in target.machines for name, term in machine.definitions.items()}
     required = {"always": prop.term, "within": prop.response, "reachable": prop.term}[prop.kind]
     before = [prop.term] if prop.kind == "within" else []
-    terms, lines = spelled_alone([*before, *_conjuncts(required)], named if len(target.machines) == 1 else {})
+    terms, lines = spelled_alone([*before, *conjuncts(required)], named if len(target.machines) == 1 else {})
     words = {
         "always": ["always"] * len(terms),
         "within": ["whenever", *[f"within {prop.steps} steps"] * (len(terms) - 1)],
