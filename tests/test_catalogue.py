@@ -313,6 +313,7 @@ def test_properties_as_a_function_of_the_machine(place: Path) -> None:
     ("more", "name", "message"),
     [
         ("", "lamps", "has no 'lamps'; machines in it: ['machine', 'pair']"),
+        ("", "Machine", "is a class; name a machine, a composition, or a function that returns one; machines in it: ["),
         ("", "number_of_lamps", "is of type int; expected a Machine, a Composition or a function returning one"),
         ("", "nothing", "is of type NoneType; expected a Machine"),
         (WRONG_PROPERTIES, "machine", "properties holds 'light' of type str at place 0 ("),

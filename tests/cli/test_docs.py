@@ -48,6 +48,17 @@ def test_a_page_by_its_name(call: Call, name: str, file: str) -> None:
     assert json.loads(call("docs", name, "--json").out) == {"name": name, "path": str(DOCS / file)}
 
 
+def test_the_text_of_a_page(call: Call) -> None:
+    """`--print` gives it in place of the path, for whoever reads in the terminal; it is of one page."""
+    assert (DOCS / "tutorial.md").read_text(encoding="utf-8") == call("docs", "tutorial", "--print").out
+    assert 2 == call("docs", "--print").code == call("docs", "tutorial", "--print", "--json").code
+
+
+def test_the_readme_is_no_page(call: Call) -> None:
+    """It is the description of the package; whoever asks for it wants to begin."""
+    assert "there is no page 'README'; `safeloc docs` lists all. Begin with the tutorial." in call("docs", "README").err
+
+
 @pytest.mark.parametrize(("name", "meant"), [("langage", "language"), ("decisions/prof", "decisions/proof")])
 def test_a_wrong_name_is_refused(call: Call, name: str, meant: str) -> None:
     """With the nearest one."""

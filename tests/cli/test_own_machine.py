@@ -33,7 +33,8 @@ def test_wrong_guard(call: Call, tmp_path: Path) -> None:
     assert called.code == 1
     assert "violated  door/property/opens at speed" in called.out
     assert "   0  start  mode=LOCKED closing_for=0" in called.out
-    last = called.out.splitlines()[-2]
+    last, why = called.out.splitlines()[-3:-1]
+    assert f"Why: safeloc explain {tmp_path / 'wrong_door.py'}:machine 'opens at speed'" == why
     assert last.startswith("   1  open  [")
     assert "released=true" in last
     assert "mode=OPEN" in last

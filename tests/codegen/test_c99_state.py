@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -194,6 +195,7 @@ def test_the_texts_say_which(tmp_path: Path) -> None:
     assert "/* Proved of every state: ten apart. */" in proved["bounds.c"]
     assert "BOUNDS_STATE_UNSOUND" in proved["bounds.h"]
     assert "STATE_UNSOUND" not in not_known["bounds.h"]
+    assert not re.search("\n\n\n", not_known["README.md"])  # nothing is said of the machine, and no gap is left for it
     assert "a step from it may lead out" in " ".join(not_known["README.md"].split())
     digests = [layout_of(system, kept).digest for kept in (lasting(system), None)]
     assert digests[0] == digests[1]  # snapshots fit both
