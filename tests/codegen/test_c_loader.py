@@ -178,8 +178,21 @@ def test_without_a_compiler_the_message_says_what_to_do(monkeypatch: pytest.Monk
     with pytest.raises(EngineError, match=r"^no C compiler: tcc not found\."):
         compiler("tcc")
     monkeypatch.setenv("CC", "mycc")
-    with pytest.raises(EngineError, match=r"^no C compiler: mycc, cc, gcc, clang not found\."):
+    with pytest.raises(
+        EngineError, match=r"^no C compiler: the variable CC names 'mycc', which is no program that runs\."
+    ):
         compiler()
+
+
+def test_a_compiler_that_is_named_and_missing_is_not_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another one, which is there, might build for another target."""
+    monkeypatch.delenv("CC", raising=False)
+    found = compiler()
+    monkeypatch.setenv("CC", "/nonexistent/cc")
+    with pytest.raises(EngineError, match="CC names '/nonexistent/cc'"):
+        compiler()
+    monkeypatch.setenv("CC", found)
+    assert compiler() == found
 
 
 def test_a_library_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
