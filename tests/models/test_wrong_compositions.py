@@ -16,7 +16,7 @@ from safeloc.assurance.mutation.members import Composed, composed
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.rewired import rewired
 from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Optional, Var, ite, maximum
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Optional, Var, between, ite, maximum, minimum
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
@@ -90,8 +90,10 @@ def _guards_interval_for_the_host(of: Wired) -> Wires:
     """In a cycle with a fix the host gets the guard's interval at end A, which no odometer and no marker has judged."""
     config = MarkerDeviceConfig()
     (place, low, high), given = of.interval("guard"), of.interval("odometry")
+    slack, most = config.antenna_tolerance_mm, config.odometry.tolerance_mm
     passed = of.of("guard.passed") & of.of("guard.valid") & of.of("odometry.valid")
-    slack = config.antenna_tolerance_mm
+    line = config.odometry.position_limit_mm
+    passed = passed & (low + slack <= most) & (high + slack <= most) & between(-line, place + config.antenna_mm, line)
     named = ("source_position_mm", "source_margin_below_mm", "source_margin_above_mm")
     theirs = (place + config.antenna_mm, low + slack, high + slack)
     return {
@@ -141,16 +143,6 @@ def _wider_place(of: Wired) -> Wires:
     return {of.to("verification.fibre_margin_below_mm"): ite(present, maximum(below, above) + 1, 0)}
 
 
-def _ends_exchanged(of: Wired) -> Wires:
-    """The distance from front to rear for that from rear to front: two bounds with the wrong sign."""
-    (front, front_below, front_above), (rear, rear_below, rear_above) = of.interval("front"), of.interval("rear")
-    present = _flag(of.right("verification.fibre_ends_low_mm.present"))
-    return {
-        of.to("verification.fibre_ends_low_mm"): ite(present, rear - rear_below - front - front_above, 0),
-        of.to("verification.fibre_ends_high_mm"): ite(present, rear + rear_above - front + front_below, 0),
-    }
-
-
 def _nobody_sends(of: Wired) -> Wires:
     """Every record comes from nobody: each is taken for a lost one."""
     return {of.to("verification.reference_from"): NOBODY}
@@ -171,6 +163,10 @@ def _neighbour_taken_for_counter(of: Wired) -> Wires:
     source = of.right("verification.reference_from")
     assert isinstance(source, Num)
     return {of.to("verification.reference_from"): ite(source.eq(NEIGHBOUR), AXLE_COUNTER, source)}
+
+
+def _trusted_with_a_count_only(of: Wired) -> Wires:
+    return {of.to("report.train_trusted"): of.right("report.count_matches_now")}
 
 
 def _runs_nowhere(of: Wired) -> Wires:
@@ -198,9 +194,14 @@ def _no_shared_stretch(of: Wired) -> Wires:
     return {of.to("speaker.shared_from_mm"): of.right("speaker.shared_to_mm")}
 
 
-def _only_the_giving_area(of: Wired) -> Wires:
-    """Of two intervals the wider one: the taking area's bounds are those of the giving one."""
-    return {of.to(f"speaker.taking_{end}_mm"): of.right(f"speaker.giving_{end}_mm") for end in ("low", "high")}
+def _wider_of_both(of: Wired) -> Wires:
+    """The taking area's interval, and that of the giving one with it."""
+    low, high = (_number(of.right(f"speaker.taking_{end}_mm")) for end in ("low", "high"))
+    other_low, other_high = (_number(of.right(f"speaker.giving_{end}_mm")) for end in ("low", "high"))
+    return {
+        of.to("speaker.taking_low_mm"): minimum(low, other_low),
+        of.to("speaker.taking_high_mm"): maximum(high, other_high),
+    }
 
 
 # ------------------------------------------------------------------ localizer
@@ -278,6 +279,11 @@ def _flag(term: Expr) -> Bool:
     return term
 
 
+def _number(term: Expr) -> Num:
+    assert isinstance(term, Num)
+    return term
+
+
 def _zero(of: Wired, name: str) -> Lit:
     var = of.to(name)
     assert isinstance(var, NumVar)
@@ -300,7 +306,7 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_area", _failed_until_tested, _ENDS),
     ("fibre_area", _only_narrow_places, _LACKS),
     ("fibre_area", _wider_place, "the reported position is the front's"),
-    ("fibre_area", _ends_exchanged, _ENDS),
+    ("fibre_area", _trusted_with_a_count_only, "a believed end is reported"),
     ("fibre_area", _nobody_sends, _ENDS),
     ("fibre_area", _counter_taken_for_neighbour("verification"), "at the counter speed and place are compared"),
     ("fibre_area", _neighbour_taken_for_counter, "a neighbour's record is compared with no counter"),
@@ -321,7 +327,7 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_handover", cut("taking.reference_from"), "the record that arrives is the giving area's"),
     ("fibre_handover", cut("speaker.taking_trusts"), "each area that may report is heard"),
     ("fibre_handover", _no_shared_stretch, "each area that may report is heard"),
-    ("fibre_handover", _only_the_giving_area, "what is reported is what the areas have in common"),
+    ("fibre_handover", _wider_of_both, "what is reported is what the areas have in common"),
     ("localizer", _satellites_unheard, "arbitration hears what each source states"),
     ("localizer", _reason_of_another, _REFERENCES),
     ("localizer", _reference_of_another, _REFERENCES),
