@@ -12,7 +12,9 @@ from collections.abc import Mapping, Sequence
 
 from safeloc.codegen.c99_check import check_program
 from safeloc.codegen.c99_header import header
+from safeloc.codegen.c99_interface import FILE, interface, interface_digest
 from safeloc.codegen.c99_layout import Layout, layout_of
+from safeloc.codegen.c99_origin import NO_ORIGIN, Origin, as_table
 from safeloc.codegen.c99_source import source
 from safeloc.codegen.c99_terms import constant
 from safeloc.codegen.c99_vectors import Run, vectors
@@ -26,30 +28,37 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 
 
 def to_c(
-    system: TransitionSystem, runs: Sequence[Run], *, doc: str = "", kept: Mapping[str, Bool] | None = None
+    system: TransitionSystem,
+    runs: Sequence[Run],
+    *,
+    doc: str = "",
+    kept: Mapping[str, Bool] | None = None,
+    origin: Origin = NO_ORIGIN,
 ) -> dict[str, str]:
     """Return the files of the folder, name -> text. `system` is the on-board system, without ghosts.
 
     runs   the runs that the self-check replays, with at least one step in all
     doc    one paragraph for the header and README
     kept   invariants, proved by `safeloc.proof.provers.lasting`, that `check_state` checks besides the ranges; None: not proved
+    origin  what the folder is made of, for header and README
 
     InputError if the system cannot run in C (past operators, terms beyond 64 bits), or refuses the inputs of a run.
     """
     layout = layout_of(system, kept)
     return {
-        **library_texts(layout, doc),
+        **library_texts(layout, doc, origin),
+        FILE: interface(layout),
         "check.c": check_program(layout),
         "vectors.txt": vectors(layout, runs),
         "Makefile": _makefile(layout),
-        "README.md": _readme(layout, doc, runs[0].first or {}),
+        "README.md": _readme(layout, doc, origin, runs[0].first or {}),
     }
 
 
-def library_texts(layout: Layout, doc: str = "") -> dict[str, str]:
+def library_texts(layout: Layout, doc: str = "", origin: Origin = NO_ORIGIN) -> dict[str, str]:
     """Return the header and the source, name -> text."""
     prefix = layout.names.prefix
-    return {f"{prefix}.h": header(layout, doc), f"{prefix}.c": source(layout)}
+    return {f"{prefix}.h": header(layout, doc, origin), f"{prefix}.c": source(layout)}
 
 
 def _makefile(layout: Layout) -> str:
@@ -91,7 +100,7 @@ clean:
 """
 
 
-def _readme(layout: Layout, doc: str, chosen: Mapping[str, Value]) -> str:
+def _readme(layout: Layout, doc: str, origin: Origin, chosen: Mapping[str, Value]) -> str:
     """Return the README of the exported folder: its files, its use, and its assumptions."""
     p, upper = layout.names.prefix, layout.names.upper
     values = ", ".join(f".{field.name} = {constant(int(chosen.get(field.source, 0)))}" for field in layout.first)
@@ -106,6 +115,7 @@ variables, nothing beyond the standard headers.
 |---|---|
 | `{p}.h` | constants, structures, functions; units, ranges and requirement ids in comments |
 | `{p}.c` | the machine |
+| `{FILE}` | names, types, ranges and numbers that a host may rely on; compare it with that of the last version |
 | `vectors.txt` | inputs, outputs and states of every step, from the reference interpreter |
 | `check.c` | replays the vectors, stops at the first difference |
 
@@ -140,7 +150,9 @@ if ({p}_init(&state{first}) == {upper}_OK) {{
 - A state belongs to its caller; two threads may use two states.
 - Snapshots fit the declaration they were taken of (`{upper}_DECLARATION`) and others are refused.
 
+{as_table(origin)}
 Declaration: SHA-256 {layout.digest}.
+Interface: SHA-256 {interface_digest(layout)} (of `{FILE}`).
 """
 
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.codegen.c99_header import statuses
 from safeloc.codegen.c99_layout import Field, Layout, literal
 from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_statuses import statuses
 from safeloc.codegen.c99_terms import constant
 
 

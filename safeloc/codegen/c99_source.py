@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from safeloc.codegen.c99_around import running, snapshots, status_texts, stepping
-from safeloc.codegen.c99_header import input_status
 from safeloc.codegen.c99_layout import Field, Layout, remark
 from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_statuses import input_status
 from safeloc.codegen.c99_step import advance, blocks, body_of, joined, locals_of, show
 from safeloc.codegen.c99_terms import CEIL_DIV, FLOOR_DIV, constant
 from safeloc.codegen.dead_code import live

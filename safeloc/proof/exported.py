@@ -7,16 +7,20 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping
+from importlib.metadata import version
 
 from safeloc.codegen.c99 import to_c
+from safeloc.codegen.c99_origin import Figure, Origin
 from safeloc.codegen.fmu import to_fmu
 from safeloc.codegen.javascript import javascript, on_board
+from safeloc.config import figures
 from safeloc.language.expr import Bool
 from safeloc.language.system import without_ghosts
 from safeloc.proof.drawn_runs.lawful import first_state
 from safeloc.proof.drawn_runs.sampled import sampled_runs
 from safeloc.proof.provers.lasting import lasting
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
+from safeloc.runtime.streams.meanings import meanings_of_inputs
 from safeloc.target import Target
 
 Say = Callable[[str], None]
@@ -35,7 +39,7 @@ def c_folder(target: Target, say: Say, warn: Say) -> Mapping[str, str]:
     say(f"{target.name}: recorded, simulated and drawn runs for the self-check")
     runs = sampled_runs(target)
     say(f"{target.name}: writing C, and every step of the runs")
-    return to_c(without_ghosts(target.system), runs, doc=target.doc, kept=kept)
+    return to_c(without_ghosts(target.system), runs, doc=target.doc, kept=kept, origin=_origin(target))
 
 
 def fmi_unit(target: Target, say: Say, warn: Say) -> bytes:
@@ -48,7 +52,19 @@ def fmi_unit(target: Target, say: Say, warn: Say) -> bytes:
     first = first_state(on_board, random.Random(0))
     kept = _invariants(target, say, warn)
     say(f"{target.name}: writing and compiling C")
-    return to_fmu(on_board, period_ms=period_ms, first=first, doc=target.doc, kept=kept)
+    return to_fmu(on_board, period_ms=period_ms, first=first, doc=target.doc, kept=kept, origin=_origin(target))
+
+
+def _origin(target: Target) -> Origin:
+    """Return what the target was made of, for the header and the README."""
+    rows = [] if target.config is None else figures(target.config)
+    return Origin(
+        version("safeloc"),
+        target.configuration or ("" if target.config_file is None else target.config_file.name),
+        [Figure(row["name"], row["value"], row["unit"]) for row in rows],
+        configured_period_ms(target.name, target.config),
+        {**meanings_of_inputs(target), **({} if target.reported is None else target.reported.meanings)},
+    )
 
 
 def script(target: Target) -> str:

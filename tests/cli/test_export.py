@@ -22,7 +22,7 @@ def test_a_folder_of_c_checks_itself(call: Call, tmp_path: Path) -> None:
     (folder / "own.txt").write_text("mine", encoding="utf-8")
     called = call("export", DOOR, "--to", "c", "--out", str(folder))
     assert called.code == 0, called.err
-    assert f"6 files in {folder}" in called.err
+    assert f"7 files in {folder}" in called.err
     assert called.out == ""
     code, printed = make(folder, "check", "sanitize")
     assert code == 0, printed
