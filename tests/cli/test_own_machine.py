@@ -158,5 +158,5 @@ def test_a_claim_that_reads_an_absent_input_is_pointed_out(call: Call, tmp_path:
     own.write_text(SILENT, encoding="utf-8")
     told = " ".join(call("prove", f"{own}:machine").out.split())
     assert "note: the claim 'open when it is near'" in told and "gate.py:11)" in told
-    assert "reads seen_mm also while it is absent; it is then 0." in told
+    assert "depends on seen_mm also while it is absent; it is then 0," in told
     assert "note: the claim 'shut" not in told
