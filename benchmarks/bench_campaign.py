@@ -46,7 +46,7 @@ weight = 1.0
 vehicles = {total}
 """
 SHARDS = 3
-MACHINES = {"odometry": (ON_LINE, 500), "balise": (ON_LINE, 250), "localizer": (JOURNEY, 10)}
+MACHINES = {"odometry": (ON_LINE, 500), "balise": (ON_LINE, 250), "localizer": (JOURNEY, 100)}
 """Declaration, and vehicles of a shard."""
 
 

@@ -24,6 +24,7 @@ from safeloc.models.fibre_area import FibreArea, ends
 from safeloc.models.sections import Sections
 from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
+from safeloc.properties.fibre_area_told import told
 
 LAW = (
     "the fibre's bounds and code law at both ends; count and length reported for a pattern are that pattern's, "
@@ -43,18 +44,10 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 
 def properties(model: FibreArea) -> list[Property]:
     """Return the properties: containment through all machines, withdrawal in the same step, and no section cleared without verification."""
-    own = [
-        *_truth(model),
-        *_guaranteed(model),
-        *_bounded(model),
-        *_withdrawal(model),
-        *_latched_error(model),
-        *_latch(model),
-        *_narrowed(model),
-        *_grows(model),
-        *_reached(model),
-    ]
-    return [*own, *_of_sections(model)]
+    makers = (
+        _truth, _guaranteed, _bounded, _withdrawal, _latched_error, _latch, _narrowed, _grows, _reached, told, _of_sections,
+    )  # fmt: skip
+    return [prop for maker in makers for prop in maker(model)]
 
 
 def _trusted(model: FibreArea) -> Bool:

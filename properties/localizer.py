@@ -17,6 +17,8 @@ from safeloc.language.units import NM
 from safeloc.models.localizer import Localizer
 from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.arbitration import kept_in_compositions
+from safeloc.properties.behind_a_source import behind_a_source
+from safeloc.properties.localizer_heard import heard
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
 REQUIREMENTS = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
@@ -26,7 +28,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(model: Localizer) -> list[Property]:
     """Return the properties of the position for host and trackside, and of the steps in which it changes."""
-    makers = (_host, _arbitrated, _responses, _trackside)
+    makers = (_host, _handed_on, _arbitrated, _responses, _trackside, heard)
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -41,15 +43,20 @@ def _host(model: Localizer) -> Iterator[Property]:
     yield _of_the_front(model)
 
 
+def _handed_on(model: Localizer) -> Iterator[Property]:
+    """The host gets what arbitration reports."""
+    yield from behind_a_source(model.composition, model.guard, model.arbitration.machine, "arbitration")
+
+
 def _of_the_guard(model: Localizer) -> Property:
-    """A position that is passed on holds the truth: proved of the restrictive state, given that arbitration's interval holds it."""
+    """The interval that the host gets contains the true position. It is proved of the restrictive state alone, given that arbitration's interval does."""
     guard, truth = model.guard, next(iter(model.guard.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
     position, below, above = (guard.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
     own = under_assumption(
         "containment",
         guard.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
-        statement="the position that the host gets holds the true position of the front end",
+        statement="the interval that the host gets contains the true position of the front end",
     )
     return replace(model.composition.inherited(guard, own), name=own.name)
 

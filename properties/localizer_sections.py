@@ -20,6 +20,7 @@ from safeloc.models.localizer_sections import LocalizerSections
 from safeloc.models.sections import Section
 from safeloc.properties import localizer as localizer_properties
 from safeloc.properties import sections as sections_properties
+from safeloc.properties.hearing import hears_interval, hears_value
 
 LAW = (
     "each source's own law; a train confirmed to be whole has its length, and nothing of it is ahead of its front end; "
@@ -41,7 +42,7 @@ def properties(model: LocalizerSections) -> list[Property]:
         *sections_properties.properties(model.area_and_sections),
     ]
     found = [replace(prop, assumption=LAW) if prop.assumption else prop for prop in parts]
-    found += [*_one_truth(model), *_radio(model)]
+    found += [*_one_truth(model), *_radio(model), *_heard(model)]
     for one in model.sections:
         found += [*_this_train(model, one)]
     return found
@@ -113,6 +114,63 @@ def _radio(model: LocalizerSections) -> Iterator[Property]:
         _counted_once(model),
         statement="the area gets a report of a train only in a cycle in which it arrives: a stored report is not repeated",
     )
+
+
+def _heard(model: LocalizerSections) -> Iterator[Property]:
+    """Claims about the inputs of the machines behind the localizer: another interval that holds the truth would keep every other claim."""
+    uplink, guard, of = model.localizer.uplink, model.localizer.guard, model.composition.of
+    ends, far, told = of(model.ends.machine), of(model.far_uplink.machine), of(uplink.machine)
+    here, sent = model.ends.own, model.far_uplink.own
+    passed = ~of(guard).bool(guard.flag("restrictive"))
+    both = ends.bool(model.ends.machine.flag("valid"))
+    on_board = [
+        ends.bool(here.valid).iff(passed),
+        passed.implies(hears_interval(ends, (here.position, here.below, here.above), of(guard), guard)),
+        far.bool(sent.sent).iff(told.bool(uplink.own.sent)),
+        far.bool(sent.arrived).iff(told.bool(uplink.own.arrived)),
+        far.bool(sent.valid).iff(both),
+        both.implies(hears_interval(far, (sent.position, sent.below, sent.above), ends, model.ends.machine)),
+    ]
+    yield for_all_inputs(
+        "both ends are sent together",
+        all_of(on_board),
+        statement="the far end is reckoned from the interval that the host gets in this cycle; it is sent, and arrives, with the report of the "
+        "front end",
+    )
+    yield for_all_inputs(
+        "the trackside hears both links",
+        all_of(_arrives(model)),
+        statement="the trackside has of each end the interval that its link reports, with the age of the report and the way that the train faces",
+    )
+    yield for_all_inputs(
+        "the area hears the trackside",
+        all_of(_reaches_the_area(model)),
+        statement="the area gets a report of the train in exactly the cycles in which the trackside has a new one, with its bounds, and whole only "
+        "with both ends",
+    )
+
+
+def _arrives(model: LocalizerSections) -> Iterator[Bool]:
+    side, of, own = model.composition.of(model.trackside.machine), model.composition.of, model.trackside.own
+    for end, link in ((own.front, model.localizer.uplink.machine), (own.far, model.far_uplink.machine)):
+        valid = of(link).bool(link.flag("valid"))
+        yield side.bool(end.valid).iff(valid)
+        yield valid.implies(hears_interval(side, (end.position, end.below, end.above), of(link), link))
+    uplink, ends = model.localizer.uplink.machine, model.ends.machine
+    yield side.num(own.age).eq(of(uplink).num(uplink.output("age_ms")))
+    yield side.bool(own.upwards).iff(of(ends).bool(ends.flag("faces_upwards")))
+
+
+def _reaches_the_area(model: LocalizerSections) -> Iterator[Bool]:
+    slot, machine = model.area.own.slots[0], model.trackside.machine
+    area, side = model.composition.of(model.area.machine), model.composition.of(machine)
+    told = side.bool(machine.flag("told"))
+    yield hears_value(area, slot.rear, told, side.num(machine.output("low_mm")))
+    yield hears_value(area, slot.front, told, side.num(machine.output("high_mm")))
+    yield area.bool(slot.trusted).iff(told)
+    yield area.bool(slot.integer).iff(side.bool(machine.flag("integer")))
+    yield area.bool(slot.downwards).iff(side.bool(machine.flag("downwards")))
+    yield area.num(slot.age).eq(0)
 
 
 def _counted_once(model: LocalizerSections) -> Bool:

@@ -10,14 +10,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import NumVar, between, exact_to
+from safeloc.language.expr import NumVar, any_of, between, exact_to
 from safeloc.language.machine import Machine
-from safeloc.language.spec import Property, always
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
 from safeloc.models.marker_device import MarkerDevice, restrictive_config
-from safeloc.models.odometry.marker_reading import NONE
+from safeloc.models.odometry.marker_reading import ACCEPTED, NONE
 from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.properties import delocalized, odometry
+from safeloc.properties.behind_a_source import behind_a_source
 from safeloc.properties.guard import LAW as RECEIVER
 from safeloc.properties.odometry import LAW as MARKERS
 
@@ -43,6 +44,21 @@ def _host(whole: MarkerDevice) -> Iterator[Property]:
         restrictive.bool(whole.restrictive.flag("restrictive")).iff(~source.bool(whole.source.machine.flag("valid"))),
         statement="the vehicle is restrictive in exactly the cycles in which odometry reports nothing",
         requirements=("MRK-D1", "MRK-D2"),
+    )
+    yield from behind_a_source(whole.composition, whole.restrictive, whole.source.machine, "odometry")
+    yield _found_again(whole)
+
+
+def _found_again(whole: MarkerDevice) -> Property:
+    """From the verdicts on the readings of the cycle, not from odometry's own word for them."""
+    own, source = whole.source.own, whole.composition.of(whole.source.machine)
+    restrictive = whole.composition.of(whole.restrictive).bool(whole.restrictive.flag("restrictive"))
+    read = [one.verdict for one in own.readers] + [_given(whole).verdict]
+    return for_all_inputs(
+        "only an accepted reading ends a loss",
+        (earlier_bool(restrictive) & ~restrictive).implies(any_of(source.num(one).eq(ACCEPTED) for one in read)),
+        statement="the restrictive state is left only in a cycle in which odometry accepted a marker or a position of satellites",
+        requirements=("MRK-D1", "MRK-D6"),
     )
 
 
@@ -77,6 +93,22 @@ def _satellites(whole: MarkerDevice) -> Iterator[Property]:
         statement="every position that the guard passes on is judged by odometry in the same cycle",
     )
     yield _antenna(whole)
+    yield _time_passes(whole)
+
+
+def _time_passes(whole: MarkerDevice) -> Property:
+    """A guard whose clock stands would be proved of a vehicle that stands: its law says that nothing moves where no time passes."""
+    own, into, figures = whole.receiver.own, whole.composition.of(whole.receiver.machine), whole.config.guard
+    low, high, line = into.num(own.known_low), into.num(own.known_high), own.known_high.high
+    ran_nm = figures.max_speed_mm_s * figures.period_ms * 1_000
+    full = into.num(own.fair).eq(figures.confirmations)
+    ahead = (high >= earlier_num(high) + ran_nm) | high.eq(line)
+    return for_all_inputs(
+        "time passes for the guard in every cycle",
+        into.bool(own.start_anew) | full | (ahead & (low <= earlier_num(low))),
+        statement="unless a row of fixes is full or the host starts anew, the place that the guard knows widens in each cycle by the run at "
+        "the highest speed",
+    )
 
 
 def _antenna(whole: MarkerDevice) -> Property:

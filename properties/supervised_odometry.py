@@ -8,14 +8,15 @@ from safeloc.language.expr import Num, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.supervised_odometry import Supervised
+from safeloc.properties.behind_a_source import behind_a_source
 from safeloc.properties.odometry import LAW
 
 for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 
 
 def properties(model: Supervised) -> list[Property]:
-    """Return the properties of the composition: containment, tolerance, entry in the same step, and no return without a
-    reference.
+    """Return the properties of the composition: containment, tolerance, entry in the same step, no return without a
+    reference, and that the host gets odometry's interval and reason.
     """
     source, guard = model.composition.of(model.source.machine), model.composition.of(model.guard)
     own, tolerance = model.source.own, model.source.own.config.tolerance_mm
@@ -50,6 +51,7 @@ def properties(model: Supervised) -> list[Property]:
             (earlier_bool(restrictive) & ~restrictive).implies(checked),
             statement="the restrictive state is left only in a cycle with a checked absolute reference",
         ),
+        *behind_a_source(model.composition, model.guard, model.source.machine, "odometry"),
     ]
 
 

@@ -14,7 +14,7 @@ Steps = Sequence[Mapping[str, Value | str]]
 
 @dataclass(frozen=True)
 class SimulatedRun(Sequence[Mapping[str, Value | str]]):
-    """What `simulate(seed)` returns where the world does not begin at its values nearest to zero: a sequence of its steps.
+    """The result of `simulate(seed)` if the world does not begin at its values nearest to zero: a sequence of its steps.
 
     steps  of each cycle, the values of inputs, choices of the world and remarks such as `truth_mm`
     first  first values of ghosts and state variables that are declared `ANY`, by name; of others their value nearest to zero

@@ -113,7 +113,7 @@ def _check_routes(routes: Sequence[RouteSet]) -> None:
 
 def _steps(config: BaliseConfig, motion: Motion, distances: Distances, runs: Runs, national_mm: int | None) -> Steps:
     """Return the run of the only vehicle as steps. InputError for an input out of its range."""
-    refuse_beyond_ranges(runs.system, runs.inputs)
+    refuse_beyond_ranges(runs.on_board, runs.inputs)
     quiet, steps = Telegram({}, {}), Steps()
     own = {name: runs.inputs[name][:, 0] for name in _GHOSTS}
     true = motion.step_nm

@@ -25,7 +25,7 @@ from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.railway.map.routes import Route
 from safeloc.simulation import sensors
 from safeloc.simulation.faults import Fault, Kinds
-from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns
+from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, joined
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import SEVERITY, measure_many
 from safeloc.simulation.speed_profile import Halt, drive
@@ -105,7 +105,7 @@ class OdometryOnLine(OnLine):
         for number in np.unique(taken):
             which = np.flatnonzero(taken == number)
             parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles, rng)))
-        return _joined(parts, drawn.vehicles)
+        return joined(parts, drawn.vehicles)
 
     def _on_route(self, route: Route, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
         tops, of_vehicle = np.unique(drawn.figures[TOP], return_inverse=True)
@@ -163,7 +163,7 @@ class BaliseOnLine(OnLine):
             which = np.flatnonzero(taken == number)
             rngs = [np.random.default_rng(int(seed)) for seed in seeds[which]]
             parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles, rngs)))
-        return _joined(parts, drawn.vehicles)
+        return joined(parts, drawn.vehicles)
 
     def _on_route(self, route: Route, drawn: Drawn, cycles: int, rngs: Sequence[np.random.Generator]) -> ManyRuns:
         config, figures = self.config, drawn.figures
@@ -200,15 +200,3 @@ def configured(machine: str, vehicle: LineVehicle) -> OdometryConfig | BaliseCon
 def _some(drawn: Drawn, which: np.ndarray) -> Drawn:
     faults: list[Sequence[Fault]] = [drawn.faults[run] for run in which]
     return Drawn(len(which), {name: values[which] for name, values in drawn.figures.items()}, faults)
-
-
-def _joined(parts: Sequence[tuple[np.ndarray, ManyRuns]], vehicles: int) -> ManyRuns:
-    """Return the runs of several groups of vehicles, each at its own place."""
-    if len(parts) == 1:
-        return parts[0][1]
-    inputs = {}
-    for name, first in parts[0][1].inputs.items():
-        inputs[name] = np.empty((len(first), vehicles), first.dtype)
-        for which, part in parts:
-            inputs[name][:, which] = part.inputs[name]
-    return ManyRuns(inputs)

@@ -5,21 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
-from safeloc.codegen.compiled import Compiled, compile_system
+from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.language.system import lower, without_ghosts
 from safeloc.models.motion import MotionConfig, build, parts
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.faults import Fault
+from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion
-from safeloc.simulation.sensors import Distances, measure
+from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
+
+_TOLD = ("distance_mm", "told", "more_nm")
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: str) -> Compiled:
+def _on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
-    return compile_system(without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine)))
+    system = without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine))
+    return compile_steps(system, _TOLD, folder=libraries)
 
 
 @dataclass(frozen=True)
@@ -30,31 +36,72 @@ class Measured:
     check: Distances | None
     reported: Distances
 
+    @property
+    def as_columns(self) -> Measured:
+        """Those of one vehicle as those of many."""
+        check = None if self.check is None else self.check.as_column
+        return Measured(self.odometer.as_column, check, self.reported.as_column)
+
 
 def measured_by(
     name: str, config: MotionConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault]
 ) -> Measured:
     """Return the distances of both units along a drive; `name` and `faults` are those of the odometer."""
-    odometer, check = measure(name, motion, config.odometer, rng, faults=faults), None
-    if config.check is not None:
-        check = measure("check", motion, config.check, rng)
+    odometer = measure(name, motion, config.odometer, rng, faults=faults)
+    check = None if config.check is None else measure("check", motion, config.check, rng)
     return Measured(odometer, check, reported(config, odometer, check))
+
+
+def measured_by_many(
+    name: str,
+    config: MotionConfig,
+    motion: Motion,
+    rngs: Sequence[np.random.Generator],
+    faults: Sequence[Sequence[Fault]],
+    libraries: Path | None,
+) -> Measured:
+    """Return the same of many vehicles on one drive, each with its generator and faults: arrays [cycle, vehicle].
+
+    libraries  folder for compiled machines; None: a temporary one
+    """
+    odometer = _measured_alike(name, config.odometer, motion, rngs, faults)
+    check = None if config.check is None else _measured_alike("check", config.check, motion, rngs, [()] * len(rngs))
+    return Measured(odometer, check, _reported(config, odometer, check, libraries))
+
+
+def _measured_alike(
+    name: str,
+    law: ErrorLaw,
+    motion: Motion,
+    rngs: Sequence[np.random.Generator],
+    faults: Sequence[Sequence[Fault]],
+) -> Distances:
+    vehicles, true = len(rngs), motion.step_nm[:, None]
+    severity, dropout = [SEVERITY] * vehicles, [0.0] * vehicles
+    return measure_many(name, true, motion.period_ms, law, rngs, dropout=dropout, severity=severity, faults=faults)
 
 
 def reported(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:
     """Return the distances that motion reports; without a check unit, those that the odometer measured."""
+    if check is None:
+        return odometer
+    return _reported(config, odometer.as_column, check.as_column, None).of(0)
+
+
+def _reported(config: MotionConfig, odometer: Distances, check: Distances | None, libraries: Path | None) -> Distances:
     if config.check is None or check is None:
         return odometer
-    board = _on_board(config.model_dump_json())
-    state, step, more = board.first(), np.zeros_like(odometer.step_mm), np.zeros_like(odometer.step_mm)
-    present = np.zeros_like(odometer.present)
+    code = _on_board(config.model_dump_json(), libraries)
+    inputs = absent_everywhere(code.system, *odometer.step_mm.shape)
+    for name, unit in (("odometer_mm", odometer), ("check_mm", check)):
+        inputs[name], inputs[f"{name}.present"] = np.where(unit.present, unit.step_mm, 0), unit.present
+    runs = code.begin(through_border(code.system, inputs)[0])
+    step, more, present = (
+        np.zeros_like(odometer.step_mm),
+        np.zeros_like(odometer.step_mm),
+        np.zeros_like(odometer.present),
+    )
     for cycle in range(len(step)):
-        inputs = {
-            name: int(unit.step_mm[cycle])
-            for name, unit in (("odometer_mm", odometer), ("check_mm", check))
-            if unit.present[cycle]
-        }
-        state, _ = board.step(state, board.read(inputs))
-        outputs = board.named_outputs(state)
-        step[cycle], present[cycle], more[cycle] = outputs["distance_mm"], outputs["told"], outputs["more_nm"]
+        runs.step(cycle)
+        step[cycle], present[cycle], more[cycle] = (runs.told[name] for name in _TOLD)
     return replace(odometer, step_mm=step, present=present, more_nm=more)

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.odometry.ghosts import READERS
-from safeloc.models.odometry.simulate import reading_inputs
+from safeloc.models.odometry.simulate import reading_inputs, sensed
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
+from safeloc.simulation.motion import Motion
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import Reading, faulty, measured, passages
+from safeloc.simulation.sensors import Distances, faulty, measured, passages
 
 MISSED = "missed"
 
@@ -79,6 +80,40 @@ def simulate_many(
     return ManyRuns(inputs)
 
 
+def simulate_alike(
+    config: OdometryConfig,
+    system: TransitionSystem,
+    motion: Motion,
+    rngs: Sequence[np.random.Generator],
+    faults: Sequence[Sequence[Fault]],
+    markers: Sequence[tuple[int, int]],
+    first_unit: Distances | None,
+    second_unit: Distances | None,
+) -> dict[str, Array]:
+    """Return the inputs of vehicles on one run, without drop-outs and markers missed, from the draws of single runs.
+
+    A fault of a reader at a time without a reading changes nothing.
+
+    first_unit, second_unit  distances [cycle, vehicle] of the front end's units, as in `simulate`
+    """
+    cycles, vehicles = len(motion.position_nm), len(rngs)
+    units, readings = sensed(
+        config, motion, rngs, faults, markers=markers, marker_accuracy_mm=1_000, dropout=0, missed=0, foreign=0,
+        first_unit=first_unit, second_unit=second_unit, anywhen=True,
+    )  # fmt: skip
+    inputs = absent_everywhere(system, cycles, vehicles)
+    inputs["true_step_nm"][:] = motion.step_nm[:, None]
+    inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
+    for unit in units:
+        inputs[f"{unit.name}_mm"] = np.where(unit.present, unit.step_mm, 0)
+        inputs[f"{unit.name}_mm.present"], inputs[f"{unit.name}_next_wander_nm"] = unit.present, unit.wander_nm
+    for run, read in enumerate(readings):
+        for one in read:
+            if one.cycle < cycles:
+                _write(inputs, reading_inputs(config, one, int(motion.position_nm[one.cycle])), one.cycle, run)
+    return inputs
+
+
 def _measure(
     inputs: dict[str, Array],
     name: str,
@@ -126,21 +161,10 @@ def _read(
         readings = passages(position[:, run], 0, end, offset_mm, markers, shifts[run], accuracy_mm)
         lost = set(identities[unread[run]].tolist())
         seen = [one for one in readings if one.marker not in lost]
-        faults = [one for one in drawn.faults[run] if one.strikes(READERS[end]) and _hits(one, seen, identities)]
-        for one in with_faults(READERS[end], seen, markers, faults):
+        faults = [one for one in drawn.faults[run] if one.strikes(READERS[end])]
+        for one in with_faults(READERS[end], seen, markers, faults, anywhen=True):
             if one.cycle < cycles:
                 _write(inputs, reading_inputs(config, one, int(position[one.cycle, run])), one.cycle, run)
-
-
-def _hits(fault: Fault, readings: Sequence[Reading], identities: NDArray[np.int64]) -> bool:
-    """Return whether a fault drawn at some time changes a reading: between markers, and where no other marker is near, it does not."""
-    hit = [one.marker for one in readings if fault.active(one.cycle)]
-    if fault.kind != "misplaced":
-        return bool(hit)
-    places = [
-        int(np.flatnonzero(identities == marker)[0]) + reader_faults.KINDS.figure(fault, "reach") for marker in hit
-    ]
-    return bool(places) and 0 <= min(places) and max(places) < len(identities)
 
 
 def _write(inputs: dict[str, Array], cells: Mapping[str, int | bool], cycle: int, run: int) -> None:

@@ -14,11 +14,12 @@ from safeloc.language.units import NM_PER_MM
 from safeloc.models.odometry.ghosts import READERS
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.odometry.world import far_away_mm
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import Distances, Reading, measure, read_markers
+from safeloc.simulation.sensors import SEVERITY, Distances, Reading, measure_many, read_markers, skip_measure
 
 Steps = list[dict[str, int | bool]]
 _NO_MARKERS = {f"{name}_{what}": nothing for name in READERS for what, nothing in (("spot_nm", 0), ("stray", False))}
@@ -63,25 +64,79 @@ def simulate(
     vehicle = vehicle_of(config)
     if motion is None:
         motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
+    units, (readings,) = sensed(
+        config, motion, [rng], [faults], markers=markers, marker_accuracy_mm=marker_accuracy_mm, dropout=dropout,
+        missed=missed, foreign=foreign, first_unit=first_unit and first_unit.as_column,
+        second_unit=second_unit and second_unit.as_column,
+    )  # fmt: skip
+    return _steps(config, motion, [unit.of(0) for unit in units], readings)
+
+
+def sensed(
+    config: OdometryConfig,
+    motion: Motion,
+    rngs: Sequence[np.random.Generator],
+    faults: Sequence[Sequence[Fault]],
+    *,
+    markers: Sequence[tuple[int, int]] | None,
+    marker_accuracy_mm: int | Mapping[int, int],
+    dropout: float,
+    missed: float,
+    foreign: float,
+    first_unit: Distances | None,
+    second_unit: Distances | None,
+    anywhen: bool = False,
+) -> tuple[list[Distances], list[list[Reading]]]:
+    """Return what the units and readers of vehicles on one run tell, each vehicle with its generator and faults.
+
+    Distances are arrays [cycle, vehicle]; the readings of each vehicle are those of both readers. With `anywhen` a reader's fault may
+    begin and end without a reading; else InputError.
+    """
     ends = ("front", "rear")[: config.devices]
     laws = (config.first_unit, config.second_unit)
     names, cycles = [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm)
-    of_readers = [fault for fault in faults if fault.where in READERS]
-    of_units = [fault for fault in faults if fault.where not in READERS]
-    sensors.KINDS.require(of_units, places=names, length=cycles)
-    reader_faults.KINDS.require(of_readers, length=cycles)
-    distances = [
-        measure(f"{end}_{law.kind}", motion, law, rng, dropout=dropout, faults=of_units) for end in ends for law in laws
-    ]
-    for index, unit in enumerate((first_unit, second_unit)):
-        if unit is not None:
-            distances[index] = replace(unit, name=names[index])
+    of_readers = [[fault for fault in own if fault.where in READERS] for own in faults]
+    of_units = [[fault for fault in own if fault.where not in READERS] for own in faults]
+    for own in of_units:
+        sensors.KINDS.require(own, places=names, length=cycles)
+    for own in of_readers:
+        reader_faults.KINDS.require(own, length=cycles)
+    shared, units = [first_unit, second_unit], list[Distances]()
+    for name, law, other in zip(names, laws * len(ends), [*shared, None, None], strict=False):
+        if other is None:
+            units.append(_measured(name, law, motion, rngs, dropout, of_units))
+            continue
+        for rng in rngs:
+            skip_measure(rng, cycles)
+        units.append(replace(other, name=name))
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
-    readings: list[Reading] = []
+    readings: list[list[Reading]] = [[] for _ in rngs]
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
-        read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
-        readings += with_faults(name, read, known, of_readers)
-    return _steps(config, motion, distances, readings)
+        for vehicle, rng in enumerate(rngs):
+            read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
+            readings[vehicle] += with_faults(name, read, known, of_readers[vehicle], anywhen=anywhen)
+    return units, readings
+
+
+def _measured(
+    name: str,
+    law: ErrorLaw,
+    motion: Motion,
+    rngs: Sequence[np.random.Generator],
+    dropout: float,
+    faults: Sequence[Sequence[Fault]],
+) -> Distances:
+    vehicles, true = len(rngs), motion.step_nm[:, None]
+    return measure_many(
+        name,
+        true,
+        motion.period_ms,
+        law,
+        rngs,
+        dropout=[dropout] * vehicles,
+        severity=[SEVERITY] * vehicles,
+        faults=faults,
+    )
 
 
 def _steps(

@@ -59,7 +59,7 @@ class SelectionConfig(Config):
 
     @model_validator(mode="after")
     def _keeps_healthy_ones(self) -> SelectionConfig:
-        """The threshold rule: above noise, prediction and clock error, or healthy satellites go when the train brakes."""
+        """Refuse a threshold that does not exceed noise, prediction and clock error: it would exclude healthy satellites while the train brakes."""
         rows = (
             ("range_threshold_mm", self.range_threshold_mm, self.range_off_at_most_mm),
             ("speed_threshold_mm_s", self.speed_threshold_mm_s, self.speed_off_at_most_mm_s),

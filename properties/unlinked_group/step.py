@@ -109,7 +109,7 @@ class Step:
         return exact_to(way, NM)
 
     @cached_property
-    def charged(self) -> Num:
+    def added_error(self) -> Num:
         """The error that the cycle adds to either margin, nm: that of an admitted distance, or the farthest travel
         without one.
         """
@@ -147,7 +147,7 @@ class Step:
         """The distance before the step, moved by the measured one, mm, and both margins grown, nm: under-reading, over-reading."""
         held = self.model.own.held
         place = earlier_num(held.position) + self.distance
-        return place, earlier_num(held.above) + self.charged, earlier_num(held.below) + self.charged
+        return place, earlier_num(held.above) + self.added_error, earlier_num(held.below) + self.added_error
 
     @cached_property
     def beyond(self) -> Bool:

@@ -113,7 +113,7 @@ def _scene(
         require_journey(line or "")
         target = _loaded(machine)
         assert isinstance(target.config, LocalizerConfig)
-        return Scene(target, LocalizerJourneys(target.config, target.system, line or ""), repr(line))
+        return Scene(target, LocalizerJourneys(target.config, target.system, line or "", libraries()), repr(line))
     if line is None:
         return _alone(machine, vehicle, place)
     known = find_line(_file(line, place))

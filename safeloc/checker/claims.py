@@ -253,12 +253,12 @@ class Claims:
         return proven(self.theory.write.conjuncts(pairs) <= speaker.step(lawful=False))
 
     def _unread(self, part: str) -> bool:
-        """Return whether no term of the machine (for a composition: no wire) depends on the value of an absent optional
-        input."""
+        """Return whether no term of machine and world (for a composition: no wire) depends on the value of an absent
+        optional input."""
         speaker = self.theory.speaker(part)
         assert speaker is not None
         system, composed = speaker.system, not part and self.theory.parts
-        terms = list(_through_wires(system) if composed else _on_board(system))
+        terms = list(_through_wires(system)) if composed else [*_on_board(system), *_in_the_world(system)]
         return all(self._unread_in(part, option, terms) for option in system.optionals)
 
     def _unread_in(self, part: str, option: Optional, terms: Sequence[Expr]) -> bool:
@@ -297,6 +297,12 @@ def _hidden(system: TransitionSystem) -> list[Expr]:
 
 def _on_board(system: TransitionSystem) -> list[Expr]:
     return [*(term for var, term in system.next.items() if var not in system.ghosts), *system.fired.values()]
+
+
+def _in_the_world(system: TransitionSystem) -> Iterator[Expr]:
+    """Yield the clauses of the worlds, and the moves of ghosts."""
+    yield from (term for machine in system.machines for term in machine.world.terms.values())
+    yield from (term for var, term in system.next.items() if var in system.ghosts)
 
 
 def _through_wires(system: TransitionSystem) -> Iterator[Expr]:

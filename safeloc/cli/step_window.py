@@ -40,6 +40,8 @@ _AROUND = 6
 """Columns beside name and value: a space on either side of each, and the scroll bar."""
 _LEAST = 12
 """Least letters of a name."""
+_BY_LETTER = {"take", "undo", "watch", "ask", "quit"}
+"""What keys do that type a letter in the line."""
 
 
 class StepWindow(App[None]):
@@ -63,14 +65,14 @@ class StepWindow(App[None]):
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-wide")]  # noqa: RUF012  # Textual declares it without ClassVar
     VERTICAL_BREAKPOINTS = [(0, "-short"), (30, "-tall")]  # noqa: RUF012  # as above
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("n", "take", "step"),
-        Binding("b", "undo", "undo"),
-        Binding("w", "watch", "watch"),
-        Binding("slash", "ask('filter ')", "filter"),
-        Binding("s", "ask('save ')", "save"),
-        Binding("colon", "ask('')", "command"),
+        Binding("n", "take", "step", priority=True),
+        Binding("b", "undo", "undo", priority=True),
+        Binding("w", "watch", "watch", priority=True),
+        Binding("slash", "ask('filter ')", "filter", priority=True),
+        Binding("s", "ask('save ')", "save", priority=True),
+        Binding("colon", "ask('')", "command", priority=True),
         Binding("escape", "leave", "tables", show=False),
-        Binding("q", "quit", "quit"),
+        Binding("q", "quit", "quit", priority=True),
     ]
 
     def __init__(self, stepper: Stepper) -> None:
@@ -117,6 +119,13 @@ class StepWindow(App[None]):
 
     # -------------------------------------------------------------- keys and the line
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:  # noqa: ARG002  (Textual calls it with both)
+        """Say whether a key acts: in the line it types its letter, and the footer shows that key as resting.
+
+        Keys have priority, so that of several that come at once (a quick hand, a slow connection) those after `s` are already for the line.
+        """
+        return None if action in _BY_LETTER and isinstance(self.focused, Input) else True
+
     def action_take(self) -> None:
         """Take one step."""
         self._run("step")
@@ -136,7 +145,7 @@ class StepWindow(App[None]):
         """Begin a command in the line."""
         line = self.query_one("#line", Input)
         line.value = beginning
-        line.focus()
+        self.set_focus(line)  # at once; `line.focus()` waits, and keys that came meanwhile would be for the tables
         line.action_end()
 
     def action_leave(self) -> None:
@@ -241,7 +250,7 @@ class StepWindow(App[None]):
         self.query_one("#head", Static).update(self._head())
         _fill(self.query_one("#inputs", DataTable), self._input_rows())
         _fill(self.query_one("#values", DataTable), self._value_rows())
-        rows = [row for row in self.stepper.rows() if self._word in row.machine + row.name]
+        rows = [row for row in self.stepper.rows() if row.fires or self._word in row.machine + row.name]
         lines = [
             line for row in sorted(rows, key=lambda row: (not row.fires, not row.enabled)) for line in row_lines(row)
         ]
@@ -296,7 +305,9 @@ def _table(name: str, title: str, columns: tuple[str, ...]) -> DataTable[Text]:
 def _fill(table: DataTable[Any], rows: Iterable[tuple[str, ...]]) -> None:
     """Show other rows, and stay at the same one; the first cell is the row's key, cut to what leaves room for the second."""
     row, scroll = table.cursor_row, table.scroll_y
-    table.clear()
+    heads = [column.label for column in table.ordered_columns]
+    table.clear(columns=True)  # a column that stays never becomes narrower
+    table.add_columns(*heads)
     cells = list(rows)
     room = table.size.width - max((len(one[1]) for one in cells), default=0) - _AROUND
     for name, *others in cells:

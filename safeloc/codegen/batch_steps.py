@@ -20,7 +20,7 @@ from typing import Protocol
 
 import numpy as np
 
-from safeloc.codegen.batch import compile_batch
+from safeloc.codegen.batch import Batch, compile_batch
 from safeloc.codegen.batch_inputs import first_states
 from safeloc.codegen.batch_lanes import LanesBatch, compile_lanes
 from safeloc.codegen.c99_build import compiler
@@ -49,7 +49,7 @@ class Runs(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class Stepped:
     """A system that is stepped in many runs. `folder` stores compiled C for later processes; the default is a temporary one."""
 
     system: TransitionSystem
@@ -65,10 +65,10 @@ class Steps:
         runs = columns[0].shape[1]
         told = self._told_first(runs)
         if runs < _FEW:
-            return _OneByOne(self._python, columns, told)
+            return _OneByOne(self.python, columns, told)
         state = first_states(self.system, {}, runs)
         if self._lanes is None:
-            return _InNumpy(compile_batch(self.system, self.keep).step, columns, state, told)
+            return _InNumpy(self._numpy.step, columns, state, told)
         return _InLanes(self._lanes, columns, state, told)
 
     def _columns(self, inputs: Mapping[str, Array]) -> list[Array]:
@@ -89,8 +89,13 @@ class Steps:
         return {name: np.full(runs, first[name], _dtype(self.system.outputs[name])) for name in self.keep}
 
     @cached_property
-    def _python(self) -> Compiled:
+    def python(self) -> Compiled:
+        """The system in generated Python."""
         return compile_system(self.system)
+
+    @cached_property
+    def _numpy(self) -> Batch:
+        return compile_batch(self.system, self.keep)
 
     @cached_property
     def _lanes(self) -> LanesBatch | None:
@@ -102,12 +107,12 @@ class Steps:
         return compile_lanes(self.system, self.keep, threads=1, folder=self.folder, cc=cc)
 
 
-def compile_steps(system: TransitionSystem, keep: Sequence[str], *, folder: Path | None = None) -> Steps:
+def compile_steps(system: TransitionSystem, keep: Sequence[str], *, folder: Path | None = None) -> Stepped:
     """Prepare a system, in which `keep` names the outputs that are told. InputError for a name that is no output."""
     unknown = [name for name in keep if name not in system.outputs]
     if unknown:
         raise InputError(f"{system.name}: no output {unknown[0]!r}; it has {list(system.outputs)}.")
-    return Steps(system, tuple(keep), folder)
+    return Stepped(system, tuple(keep), folder)
 
 
 def _dtype(term: object) -> np.dtype[np.int64] | np.dtype[np.bool_]:

@@ -124,15 +124,19 @@ make sanitize    # the same under address and undefined-behaviour sanitizers
 if ({p}_init(&state{first}) == {upper}_OK) {{
     int32_t status = {p}_step(&state, &inputs, &outputs);
     if (status != {upper}_OK) {{
-        /* an input is out of its range: nothing moved. {p}_status_text(status) says which */
+        /* refused: nothing moved, and `outputs` still has what an earlier cycle put there: do not use it.
+           {p}_status_text(status) says which input is out of its range */
     }}
 }}
 ```
 
 - One call of `{p}_step` is one cycle; the machine has no clock of its own.
 - Inputs are never clipped or replaced. A refused input is a fault to handle: mend it, or declare it absent.
-- No term leaves 64 bits while inputs and state are in their ranges; `{p}_step` checks the inputs, and `{p}_check_state`
-  the state where the host may have damaged it. {_of_damage(layout)}
+- `{p}_init` or `{p}_restore` comes first. A state that neither has set is refused by every function that reads one
+  (`{upper}_STATE_NOT_SET`), and so is one with a value out of its range, as memory that was damaged may have it.
+- A refused step leaves `outputs` as it was: it still tells the cycle before. Whoever reads it takes an old value for a new one.
+- No term leaves 64 bits while inputs and state are in their ranges, which `{p}_step` checks, `{p}_run` once at its beginning.
+  {_of_damage(layout)}
 - A state belongs to its caller; two threads may use two states.
 - Snapshots fit the declaration they were taken of (`{upper}_DECLARATION`) and others are refused.
 
@@ -141,10 +145,11 @@ Declaration: SHA-256 {layout.digest}.
 
 
 def _of_damage(layout: Layout) -> str:
+    p = layout.names.prefix
     if layout.kept is None:
-        return """Every state that steps lead to from the first one is in its ranges. One
-  that was damaged and passes the check is in them too, but need not be one of those: a step from it may lead out of
-  them, so check after each step as well, or go back to a snapshot, whose checksum sees the damage."""
+        return f"""It is not proved that every step leads into the ranges: call `{p}_check_state` after the last step too,
+  whose result the next step would refuse. A state that was damaged and passes may still be another one than before;
+  only a snapshot shows that, whose checksum sees the damage."""
     return """Of a damaged state that passes, it is proved that
   no step ever leaves the ranges, whatever the inputs. It may still be another one than before the damage, with another
   place of the vehicle in it: that only a snapshot shows, whose checksum sees the damage."""

@@ -22,7 +22,10 @@ def stepping(layout: Layout) -> str:
     if (state == NULL || inputs == NULL || outputs == NULL) {{
         return {upper}_NO_POINTER;
     }}
-    const int32_t status = judged(inputs);
+    int32_t status = sound(state);
+    if (status == {upper}_OK) {{
+        status = judged(inputs);
+    }}
     if (status != {upper}_OK) {{
         return status;
     }}
@@ -35,6 +38,10 @@ int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 {{
     if (state == NULL || outputs == NULL) {{
         return {upper}_NO_POINTER;
+    }}
+    const int32_t status = sound(state);
+    if (status != {upper}_OK) {{
+        return status;
     }}
     show(state, outputs);
 {idle}    return {upper}_OK;
@@ -102,9 +109,13 @@ def _loop(layout: Layout, name: str, given: str, results: str, source: _Source) 
 {{
 {missing}        return {upper}_NO_POINTER;
     }}
+    int32_t status = sound(state);
+    if (status != {upper}_OK) {{
+        *done = 0;
+        return status;
+    }}
 {source.begin.format(p=p)}    {p}_state now = *state;
     {p}_outputs outputs = {{0}};
-    int32_t status = {upper}_OK;
     size_t number = 0;
     if (told == NULL) {{
         for (; number < count; number++) {{
@@ -145,7 +156,7 @@ static uint64_t mixed(uint64_t sum, uint64_t value)
 
 static uint64_t checksum(const {p}_state *state)
 {{
-    uint64_t sum = mixed(UINT64_C(14695981039346656037), {upper}_DECLARATION);
+    uint64_t sum = mixed(UINT64_C(14695981039346656037), state->declaration);
 {mixed}    return sum;
 }}
 
@@ -153,6 +164,10 @@ int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
 {{
     if (state == NULL || snapshot == NULL) {{
         return {upper}_NO_POINTER;
+    }}
+    const int32_t status = sound(state);
+    if (status != {upper}_OK) {{
+        return status;
     }}
     snapshot->declaration = {upper}_DECLARATION;
     snapshot->checksum = checksum(state);

@@ -11,6 +11,7 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.units import Enumeration
 
 FIRST_INPUT_STATUS = 16
+"""The number of the first input's status; the statuses below it have the same numbers in every machine and version."""
 
 
 def header(layout: Layout, doc: str) -> str:
@@ -83,7 +84,7 @@ def _row_remark(row: Transition | None, label: str) -> str:
 
 def statuses(layout: Layout) -> list[tuple[str, int, str]]:
     """Return every status: the name of its constant, its number, its text."""
-    upper = layout.names.upper
+    p, upper = layout.names.prefix, layout.names.upper
     fixed = [
         (f"{upper}_OK", "done"),
         (f"{upper}_NO_POINTER", "a pointer is NULL; nothing was done"),
@@ -91,11 +92,17 @@ def statuses(layout: Layout) -> list[tuple[str, int, str]]:
         (f"{upper}_FIRST_REFUSED", "the chosen first values are out of range or exclude each other; nothing was done"),
         (f"{upper}_SNAPSHOT_FOREIGN", "the snapshot is of another declaration; nothing was restored"),
         (f"{upper}_SNAPSHOT_DAMAGED", "the snapshot's checksum is wrong; nothing was restored"),
+        (
+            f"{upper}_STATE_UNSOUND",
+            "every state variable is in its range, but no step leads to such a state; nothing was done",
+        ),
+        (f"{upper}_STATE_NOT_SET", f"the state was not set by {p}_init or {p}_restore; nothing was done"),
     ]
-    if layout.kept:
-        text = "every state variable is in its range, but no step leads to such a state; nothing was done"
-        fixed.append((f"{upper}_STATE_UNSOUND", text))
-    found = [(name, number, text) for number, (name, text) in enumerate(fixed)]
+    found = [
+        (name, number, text)
+        for number, (name, text) in enumerate(fixed)
+        if layout.kept or name != f"{upper}_STATE_UNSOUND"
+    ]
     for number, field in enumerate(layout.inputs, FIRST_INPUT_STATUS):
         found.append((input_status(layout, field), number, f"input {field.source} is not {_allowed(layout, field)}"))
     return found
@@ -136,7 +143,13 @@ def _stand_in_name(layout: Layout, field: Field) -> str:
 
 def _structures(layout: Layout) -> Iterator[str]:
     prefix = layout.names.prefix
-    yield _structure(layout, f"{prefix}_state", "The state. Only the functions below write it.", layout.state)
+    yield _structure(
+        layout,
+        f"{prefix}_state",
+        f"The state. Only the functions below write it: what {prefix}_init did not set is refused.",
+        layout.state,
+        f"    uint64_t declaration; /* {layout.names.upper}_DECLARATION once the state is set */\n",
+    )
     yield _structure(layout, f"{prefix}_inputs", "The inputs of one step.", layout.inputs)
     yield _structure(
         layout,
@@ -157,10 +170,10 @@ def _structures(layout: Layout) -> Iterator[str]:
     )
 
 
-def _structure(layout: Layout, name: str, says: str, fields: Sequence[Field]) -> str:
+def _structure(layout: Layout, name: str, says: str, fields: Sequence[Field], head: str = "") -> str:
     lines = [f"    {field.kind} {field.name}; /* {remark(_described(layout, field))} */" for field in fields]
     lines = lines or ["    uint8_t nothing; /* C has no empty structures */"]
-    return f"/* {says} */\ntypedef struct {name} {{\n" + "\n".join(lines) + f"\n}} {name};\n"
+    return f"/* {says} */\ntypedef struct {name} {{\n{head}" + "\n".join(lines) + f"\n}} {name};\n"
 
 
 def _columns(name: str, says: str, constness: str, fields: Sequence[Field]) -> str:
@@ -184,11 +197,12 @@ def _described(layout: Layout, field: Field) -> str:
 
 def _of_check_state(layout: Layout) -> str:
     if layout.kept is None:
-        return (
-            "/* Whether every state variable is in its range; for hosts that keep the state where it may be damaged. */"
-        )
-    return """/* Whether every state variable is in its range and all holds that is proved of every state; for hosts that keep the
- * state where it may be damaged. Steps from a state that passes never leave the ranges, whatever the inputs.
+        return """/* Whether the state was set, and every state variable is in its range. All functions that read a state ask this
+ * themselves, the loops over many steps once at their beginning.
+ */"""
+    return """/* Whether the state was set, every state variable is in its range, and all holds that is proved of every state. Steps
+ * from a state that passes never leave the ranges, whatever the inputs. All functions that read a state ask this
+ * themselves, the loops over many steps once at their beginning.
  */"""
 
 
@@ -210,24 +224,26 @@ int32_t {p}_check_inputs(const {p}_inputs *inputs);
 {_of_check_state(layout)}
 int32_t {p}_check_state(const {p}_state *state);
 
-/* One step: checks the inputs, takes the first enabled transition, and tells the outputs after it. Where an input is
- * refused, its status is returned, and state and outputs stay as they are.
+/* One step: checks state and inputs, takes the first enabled transition, and tells the outputs after it. Where the state
+ * or an input is refused, the status is returned, and state and outputs stay as they are: the outputs are then still
+ * those of an earlier cycle, or what the memory held. A state that {p}_init did not set is refused, whatever it holds.
  */
 int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs);
 
-/* `count` steps in one call, of rows or of columns. `told` may be NULL, and so may each of its columns. Both stop before
- * the first refused row and return its status; `done` tells how many steps were taken. Columns are faster where there
- * are few inputs, rows where there are many.
+/* `count` steps in one call, of rows or of columns. `told` may be NULL, and so may each of its columns. The state is
+ * checked once, at the beginning. Both stop before the first refused row and return its status; `done` tells how many
+ * steps were taken. Columns are faster where there are few inputs, rows where there are many.
  */
 int32_t {p}_run({p}_state *state, const {p}_inputs *rows, {p}_outputs *told, size_t count, size_t *done);
 int32_t {p}_run_columns({p}_state *state, const {p}_input_columns *columns, const {p}_output_columns *told,
         size_t count, size_t *done);
 
-/* The outputs of a state as it is; which transition fired is told as none. */
+/* The outputs of a state as it is; which transition fired is told as none. A state is checked as by {p}_step. */
 int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs);
 
-/* A snapshot of the state, and the state of a snapshot. A snapshot of another declaration ({upper}_DECLARATION), a
- * damaged one, or one with a value out of range is refused, and the state stays as it is.
+/* A snapshot of the state, and the state of a snapshot. A state is checked before it is saved. A snapshot of another
+ * declaration ({upper}_DECLARATION), a damaged one, or one with a value out of range is refused, and the state stays as it
+ * is.
  */
 int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot);
 int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot);

@@ -88,9 +88,18 @@ class ManySimulation(Protocol):
         ...
 
 
-def absent_everywhere(system: TransitionSystem, cycles: int, vehicles: int) -> dict[str, Array]:
-    """Return arrays for all inputs, in which optional ones are absent and the others have the value nearest to zero, or false."""
-    return {var.name: np.full((cycles, vehicles), _rest(var)) for var in system.inputs}
+def absent_everywhere(
+    system: TransitionSystem, cycles: int, vehicles: int, *, but: Mapping[str, Array] | None = None
+) -> dict[str, Array]:
+    """Return arrays for all inputs, in which optional ones are absent and the others have the value nearest to zero, or false.
+
+    but  arrays of inputs that are taken instead
+    """
+    known = but or {}
+    return {
+        var.name: known[var.name] if var.name in known else np.full((cycles, vehicles), _rest(var))
+        for var in system.inputs
+    }
 
 
 def _rest(var: Var) -> np.int64 | np.bool_:
@@ -115,6 +124,18 @@ def packed(system: TransitionSystem, streams: Sequence[Sequence[Mapping[str, Cel
                 raise InputError(f"{system.name}: input {min(needed - step.keys())!r} is missing in a simulated step.")
             writer.write(cycle, run, step)
     return inputs
+
+
+def joined(parts: Sequence[tuple[NDArray[np.int64], ManyRuns]], vehicles: int) -> ManyRuns:
+    """Return the runs of several groups of vehicles, each at its own place."""
+    if len(parts) == 1:
+        return parts[0][1]
+    inputs = {}
+    for name, first in parts[0][1].inputs.items():
+        inputs[name] = np.empty((len(first), vehicles), first.dtype)
+        for which, part in parts:
+            inputs[name][:, which] = part.inputs[name]
+    return ManyRuns(inputs)
 
 
 class Writer:

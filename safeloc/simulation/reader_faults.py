@@ -21,21 +21,38 @@ KINDS = Kinds("a marker reader", {**plain("missed", "repeated", "foreign"), "mis
 
 
 def with_faults(
-    name: str, readings: Sequence[Reading], markers: Sequence[tuple[int, int]], faults: Sequence[Fault]
+    name: str,
+    readings: Sequence[Reading],
+    markers: Sequence[tuple[int, int]],
+    faults: Sequence[Fault],
+    *,
+    anywhen: bool = False,
 ) -> list[Reading]:
     """Return the readings of the reader of this name with its faults, applied one after the other.
 
-    InputError for a fault that no reader has, and for one that hits no reading and so would test nothing.
+    anywhen  faults are drawn at some time: one between readings, or where no other marker is near, changes nothing
+
+    InputError for a fault that no reader has and, unless `anywhen`, for one that hits no reading and so would test nothing.
     """
     KINDS.require(faults)
     found = list(readings)
     for fault in faults:
-        if not fault.strikes(name):
+        if not fault.strikes(name) or (anywhen and not _changes(fault, found, markers)):
             continue
         if not any(_hits(fault, reading) for reading in found):
             raise InputError(f"{fault} hits no reading; readings are in cycles {[one.cycle for one in found][:20]}.")
         found = _struck(found, markers, fault)
     return found
+
+
+def _changes(fault: Fault, readings: Sequence[Reading], markers: Sequence[tuple[int, int]]) -> bool:
+    """Return whether a fault hits a reading, and a marker told instead exists."""
+    hit = [one.marker for one in readings if _hits(fault, one)]
+    if fault.kind != "misplaced":
+        return bool(hit)
+    identities = [identity for identity, _ in markers]
+    places = [identities.index(marker) + KINDS.figure(fault, "reach") for marker in hit if marker in identities]
+    return bool(places) and 0 <= min(places) and max(places) < len(identities)
 
 
 def _hits(fault: Fault, reading: Reading) -> bool:

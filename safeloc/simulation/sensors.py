@@ -161,6 +161,11 @@ def _drawn(
     return bias, rng.uniform(-1, 1, cycles // 100 + 1), rng.random(cycles) >= dropout
 
 
+def skip_measure(rng: np.random.Generator, cycles: int) -> None:
+    """Draw what `measure` draws of a unit, where other measurements take the place of its own."""
+    _drawn(rng, cycles, 0.0)
+
+
 def measured(
     true_nm: NDArray[np.int64],
     period_ms: int,
@@ -213,9 +218,10 @@ def _drift_nm(law: ErrorFigures, true_nm: NDArray[np.int64], period_ms: int) -> 
 def _episodes(wanted: NDArray[np.float64], cycles: int, most_nm: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a wander that at times moves slowly (at most 1/500 of its range in a cycle), and otherwise rests."""
     path = np.zeros((cycles, wanted.shape[1]))
+    most_change = most_nm / 500
     for number in range(1, cycles):
         gap = wanted[number // 100] * most_nm - path[number - 1]
-        path[number] = path[number - 1] + np.clip(gap, -most_nm / 500, most_nm / 500)
+        path[number] = path[number - 1] + np.minimum(np.maximum(gap, -most_change), most_change)
     return path
 
 

@@ -134,3 +134,29 @@ def test_export_to_a_file(call: Call, tmp_path: Path) -> None:
     path = tmp_path / "door.svg"
     assert call("export", DOOR, "--to", "svg", "--out", str(path)).out == ""
     assert path.read_text(encoding="utf-8").startswith("<svg")
+
+
+SILENT = """
+from safeloc.language.expr import boolean, optional
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.units import MM
+
+SHUT, OPEN = modes("SHUT", "OPEN")
+seen, free = optional("seen_mm", MM, 0, 1_000), boolean("free")
+machine = Machine("gate", (SHUT, OPEN), [seen, free], {}, {}, [Transition("open", SHUT, OPEN, ~seen.present)])
+properties = [
+    always("open when it is near", machine.mode.eq(OPEN).implies(seen.value <= 900)),
+    always("shut when it is far", (seen.present & (seen.value > 900)).implies(machine.mode.eq(SHUT) | free | ~free)),
+]
+"""
+
+
+def test_a_claim_that_reads_an_absent_input_is_pointed_out(call: Call, tmp_path: Path) -> None:
+    """With its place, the number that it reads, and the remedy; one that asks for the input first is not."""
+    own = tmp_path / "gate.py"
+    own.write_text(SILENT, encoding="utf-8")
+    told = " ".join(call("prove", f"{own}:machine").out.split())
+    assert "note: the claim 'open when it is near'" in told and "gate.py:11)" in told
+    assert "reads seen_mm also while it is absent; it is then 0." in told
+    assert "note: the claim 'shut" not in told

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from textual import events
 from textual.pilot import Pilot
 from textual.widgets import DataTable, Input, Static
 
@@ -242,6 +243,40 @@ def test_a_violation_is_told_at_once() -> None:
     assert "held" == {row[0]: row[2] for row in table(window, "inputs")}["extra"]
     window = driven(Stepper(pump.target(pump.TOO_MANY), {"label": 1}), line("hold extra=absent"), line("release extra"))
     assert "rest" == {row[0]: row[2] for row in table(window, "inputs")}["extra"]
+
+
+def test_keys_that_come_at_once_are_typed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What follows the key of a command in one burst is for the line, as over a slow connection: `n` of `run` is no step."""
+    monkeypatch.chdir(tmp_path)
+
+    async def burst(pilot: Pilot[None]) -> None:
+        for key in ("n", "s", *"run"):
+            pilot.app.post_message(events.Key(key, key))
+        await pilot.pause()
+
+    window = driven(Stepper(lamp()), burst)
+    assert (1, "save run") == (window.stepper.number, told(window, "#line"))
+
+
+def test_a_filter_leaves_what_fires_and_no_column_wider_than_its_rows() -> None:
+    """The next transition is in sight whatever is filtered; the value stands beside the longest name that is left."""
+
+    async def look() -> tuple[list[str], list[tuple[int, int]]]:
+        window = StepWindow(Stepper(load_target("odometry")))
+        async with window.run_test(size=(80, 24)) as pilot:
+            await pilot.press("slash", *"position", "enter")
+            await pilot.pause()
+            shown = window.query_one("#values", DataTable)
+            widest = [max(len(cells[place]) for cells in _cells(shown)) for place in range(2)]
+            columns = [
+                (column.content_width, wide) for column, wide in zip(shown.ordered_columns, widest, strict=False)
+            ]
+            return str(window.query_one("#rows", Static).content).splitlines(), columns
+
+    lines, columns = asyncio.run(look())
+    assert lines[0].startswith("fires ")
+    assert all(line.startswith("fires ") or not line.startswith("refused ") for line in lines)
+    assert [(wide, wide) for _, wide in columns] == columns
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (120, 40)])

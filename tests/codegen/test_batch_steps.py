@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from safeloc.codegen import batch_steps
-from safeloc.codegen.batch_steps import Steps, compile_steps
+from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.errors import EngineError, InputError
 from safeloc.language.expr import number
 from safeloc.language.interpret import run
@@ -20,7 +20,7 @@ FEW, MANY = 3, 19
 """Runs that are stepped in Python, and more than fill any register, by no whole number of them."""
 
 
-def counting() -> Steps:
+def counting() -> Stepped:
     """A machine that adds what it is given up to 1000, and begins anew beyond; it tells its sum, and whether that is even."""
     (only,) = modes("COUNTING")
     total, given = number("total", COUNT, 0, 1_000), number("given", COUNT, 0, 100)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from safeloc.codegen.batch_steps import Steps, compile_steps
+from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise import machine
@@ -29,7 +29,7 @@ from safeloc.simulation.sensors import Distances
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """What the vehicles have in common: the groups that they pass, and those that the map announces from a cycle on.
+    """Data that the vehicles have in common: the groups that they pass, and those that the map announces from a cycle on.
 
     national_mm  location accuracy received in the first cycle; None: the default applies
     libraries    folder for compiled machines; None: a temporary one
@@ -45,11 +45,11 @@ class Line:
 class Runs:
     """Runs of vehicles: inputs of the machine, ghosts included, as arrays [cycle, vehicle], and what they consist of.
 
-    system                the machine with its world
+    on_board              the machine without its world
     telegrams, announced  of each vehicle, by their cycles
     """
 
-    system: TransitionSystem
+    on_board: TransitionSystem
     inputs: Mapping[str, Array]
     telegrams: Sequence[Mapping[int, Telegram]]
     announced: Sequence[Mapping[int, Mapping[str, Cell]]]
@@ -61,7 +61,7 @@ def _with_world(config: str) -> TransitionSystem:
 
 
 @lru_cache(maxsize=8)
-def _on_board(config: str, libraries: Path | None) -> Steps:
+def _on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
     return compile_steps(without_ghosts(_with_world(config)), ASKED, folder=libraries)
 
@@ -85,7 +85,8 @@ def simulate_many(
         if line.national_mm is not None:
             writer.write(0, run, {"national_accuracy_mm": line.national_mm})
         telegrams.append(read)
-    return Runs(_with_world(made), inputs, telegrams, _announced(config, line, inputs, writer))
+    on_board = _on_board(made, line.libraries)
+    return Runs(on_board.system, inputs, telegrams, _announced(config, line, on_board, inputs, writer))
 
 
 def _of_odometers(
@@ -105,10 +106,9 @@ def _of_odometers(
 
 
 def _announced(
-    config: BaliseConfig, line: Line, inputs: Mapping[str, Array], writer: Writer
+    config: BaliseConfig, line: Line, code: Stepped, inputs: Mapping[str, Array], writer: Writer
 ) -> list[dict[int, Mapping[str, Cell]]]:
     """Run the machines on board; write what the map announces into the inputs, and return it for each vehicle by cycles."""
-    code = _on_board(config.model_dump_json(), line.libraries)
     own = {var.name: inputs[var.name] for var in code.system.inputs}
     cycles, vehicles = own["odometer_mm"].shape
     runs, maps = code.begin(through_border(code.system, own)[0]), Announcing(config, line.announced, vehicles)

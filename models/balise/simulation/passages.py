@@ -54,7 +54,7 @@ class Telegram:
 
 @dataclass(frozen=True, eq=False)
 class Antenna:
-    """How one vehicle reads the groups that it passes.
+    """Readings by one vehicle of the groups that it passes.
 
     missed   the share of groups that are not read
     foreign  the share of cycles without another telegram that bring one of another track
@@ -118,7 +118,7 @@ def _displaced_mm(config: BaliseConfig, group: Group, national_mm: int) -> int:
 
 
 class Reading:
-    """What one vehicle reads along its run.
+    """The readings of one vehicle along its run.
 
     wander_nm  that of its odometer after each cycle
     placed     from a cycle on, the identities of the groups whose places the map knows

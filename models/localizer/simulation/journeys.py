@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from safeloc.models.balise.groups import Group
+from safeloc.models.localizer.simulation.journey import Journey, Stretch
 from safeloc.models.localizer.simulation.junction import Junction
-from safeloc.models.localizer.simulation.simulate import Journey, Stretch
 from safeloc.models.reflector.simulate import Balise, Reflector, Route
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg

@@ -1,11 +1,16 @@
-"""Output of a satellite front end along a journey: channels against their prediction, and a solution along the track."""
+"""Output of the satellite front ends of many vehicles: channels against their prediction, and a solution along the track."""
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
+from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.models.localizer.simulation.columns import Column
+from safeloc.models.satellite.variables import MISSING
 from safeloc.models.satellite_selection import SelectionConfig
-from safeloc.runtime.streams.steps import Cell
 
 DILUTION_PERMILLE, FURTHER_MM, SPEED_FURTHER_UM_S = 1_500, 500, 5_000
 """Figures of a solution along the track, as in the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
@@ -13,55 +18,104 @@ ERROR_MM, SPEED_ERROR_UM_S = 4_800, 180_000
 """Greatest errors of a solution's place and speed."""
 _MULTIPATH_MM = 60_000
 """Excess length of a signal that comes by a detour."""
+_LABELS = tuple(one.label for one in MISSING)
+NO_EPOCH, TWO_PORTIONS = _LABELS.index("NO_EPOCH"), _LABELS.index("TWO_PORTIONS")
 
 
-def signals(config: SelectionConfig, rng: np.random.Generator, seen: int, received: int, far: bool) -> dict[str, Cell]:
-    """Return each channel's measured value less the predicted one; with `far`, the first signal comes by a detour."""
-    step: dict[str, Cell] = {"selection.clock_mm": 0, "selection.clock_mm_s": 0}
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """The conditions that the receivers meet: arrays [cycle, vehicle], or ones that spread to it.
+
+    seen      satellites in view of each vehicle
+    received  cycles in a row with signals
+    far       the first signal comes by a detour
+    missing   why there is no solution before the warm-up ends, as a number of `MISSING`
+    """
+
+    seen: NDArray[np.int64]
+    received: NDArray[np.int64]
+    far: NDArray[np.bool_]
+    missing: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Errors of receivers as shares: of each signal's range and speed, of the solution's place and speed; [..., cycle, vehicle]."""
+
+    signals: NDArray[np.float64]
+    solution: NDArray[np.float64]
+
+
+def noise(config: SelectionConfig, received: NDArray[np.int64], rngs: list[np.random.Generator]) -> Noise:
+    """Draw the errors of receivers, each from its generator in the order of cycles: a solution draws only after the warm-up."""
+    cycles, vehicles = received.shape
+    signals = np.empty((2 * config.channels, cycles, vehicles))
+    solution = np.zeros((2, cycles, vehicles))
+    own, solved_own = np.empty((cycles, 2 * config.channels)), np.zeros((cycles, 2))
+    rows, pairs = list(own), list(solved_own)
+    for vehicle, rng in enumerate(rngs):
+        solved = received[:, vehicle] >= config.warm_up_cycles
+        edges = [0, *(np.flatnonzero(np.diff(solved)) + 1).tolist(), cycles]
+        solved_own[:] = 0
+        for begin, end in pairwise(edges):
+            if not solved[begin]:
+                rng.standard_normal(out=own[begin:end])
+                continue
+            for row, pair in zip(rows[begin:end], pairs[begin:end], strict=True):
+                rng.standard_normal(out=row)
+                rng.random(out=pair)
+        signals[:, :, vehicle], solution[:, :, vehicle] = own.T, solved_own.T
+    return Noise(signals, solution)
+
+
+def signals(config: SelectionConfig, sky: Sky, drawn: Noise) -> dict[str, Column]:
+    """Return each channel's measured value less the predicted one; where `far`, the first signal comes by a detour."""
+    columns = {"selection.clock_mm": Column(0), "selection.clock_mm_s": Column(0)}
     for number in range(1, config.channels + 1):
         name = f"selection.channel_{number}"
-        away = int(rng.normal(0, config.range_noise_mm / 4)) + (_MULTIPATH_MM if far and number == 1 else 0)
-        faster = int(rng.normal(0, config.speed_noise_mm_s / 4))
-        step |= {
-            f"{name}_error_mm": 0, f"{name}_speed_error_mm_s": 0, f"{name}_prediction_mm": 0,
-            f"{name}_prediction_mm_s": 0, f"{name}_ephemeris_valid": True,
-        }  # fmt: skip
-        if received and number <= seen:
-            step |= {
-                f"{name}_satellite": number, f"{name}_range_off_mm": away, f"{name}_speed_off_mm_s": faster,
-                f"{name}_error_mm": away, f"{name}_speed_error_mm_s": faster,
-            }  # fmt: skip
-        if received >= config.warm_up_cycles and number <= seen:
-            spread = config.range_covariance_mm2 // 4, config.speed_covariance_mm2_s2 // 4
-            step |= {f"{name}_range_covariance_mm2": spread[0], f"{name}_speed_covariance_mm2_s2": spread[1]}
-    return step
+        away_by, faster_by = drawn.signals[2 * number - 2], drawn.signals[2 * number - 1]
+        away = (config.range_noise_mm / 4 * away_by).astype(np.int64) + (_MULTIPATH_MM * sky.far if number == 1 else 0)
+        faster = (config.speed_noise_mm_s / 4 * faster_by).astype(np.int64)
+        heard = (sky.received > 0) & (number <= sky.seen)
+        spread = (sky.received >= config.warm_up_cycles) & (number <= sky.seen)
+        columns |= {
+            f"{name}_error_mm": Column(np.where(heard, away, 0)),
+            f"{name}_speed_error_mm_s": Column(np.where(heard, faster, 0)),
+            f"{name}_prediction_mm": Column(0),
+            f"{name}_prediction_mm_s": Column(0),
+            f"{name}_ephemeris_valid": Column(True),
+            f"{name}_satellite": Column(number, heard),
+            f"{name}_range_off_mm": Column(away, heard),
+            f"{name}_speed_off_mm_s": Column(faster, heard),
+            f"{name}_range_covariance_mm2": Column(config.range_covariance_mm2 // 4, spread),
+            f"{name}_speed_covariance_mm2_s2": Column(config.speed_covariance_mm2_s2 // 4, spread),
+        }
+    return columns
 
 
 def solution(
-    config: SelectionConfig,
-    rng: np.random.Generator,
-    seen: int,
-    received: int,
-    far: bool,
-    place_mm: int,
-    speed_um_s: int,
-    missing: str,
-) -> dict[str, Cell]:
-    """Return place and speed along the track from the usable signals; before the warm-up ends none, with `missing` as the reason."""
-    solved = received >= config.warm_up_cycles
-    step: dict[str, Cell] = {
-        f"position.used_{number}": solved and number <= seen and not (far and number == 1)
+    config: SelectionConfig, sky: Sky, drawn: Noise, place_mm: NDArray[np.int64], speed_um_s: NDArray[np.int64]
+) -> dict[str, Column]:
+    """Return place and speed along the track from the usable signals; before the warm-up ends none, with the reason."""
+    solved = sky.received >= config.warm_up_cycles
+    clear = {1: ~sky.far}
+    columns = {
+        f"position.used_{number}": Column(solved & (number <= sky.seen) & clear.get(number, True))
         for number in range(1, config.channels + 1)
     }
-    step |= {
-        "position.fix_dilution_permille": DILUTION_PERMILLE, "position.fix_further_mm": FURTHER_MM,
-        "position.fix_speed_um_s": 0, "position.fix_speed_dilution_permille": DILUTION_PERMILLE,
-        "position.fix_speed_further_um_s": SPEED_FURTHER_UM_S, "position.fix_unknowns": 2,
-        "position.fix_missing": "NOTHING" if solved else missing,
-        "position.reference_speed_accuracy_um_s": 0, "position.odometry_error_mm": 0,
-    }  # fmt: skip
-    if not solved:
-        return step
-    place = place_mm + int(rng.uniform(-ERROR_MM, ERROR_MM))
-    speed = speed_um_s + int(rng.uniform(-SPEED_ERROR_UM_S, SPEED_ERROR_UM_S))
-    return step | {"position.fix_mm": place, "position.fix_speed_um_s": speed}
+    off_mm, faster_um_s = (
+        (-most + 2 * most * share).astype(np.int64)
+        for most, share in zip((float(ERROR_MM), float(SPEED_ERROR_UM_S)), drawn.solution, strict=True)
+    )
+    return columns | {
+        "position.fix_dilution_permille": Column(DILUTION_PERMILLE),
+        "position.fix_further_mm": Column(FURTHER_MM),
+        "position.fix_speed_um_s": Column(np.where(solved, speed_um_s + faster_um_s, 0)),
+        "position.fix_speed_dilution_permille": Column(DILUTION_PERMILLE),
+        "position.fix_speed_further_um_s": Column(SPEED_FURTHER_UM_S),
+        "position.fix_unknowns": Column(2),
+        "position.fix_missing": Column(np.where(solved, 0, sky.missing), labels=_LABELS),
+        "position.reference_speed_accuracy_um_s": Column(0),
+        "position.odometry_error_mm": Column(0),
+        "position.fix_mm": Column(place_mm + off_mm, solved),
+    }

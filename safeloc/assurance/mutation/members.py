@@ -6,12 +6,13 @@ into the composition.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.assurance.mutation.declared import Declared
 from safeloc.assurance.mutation.mutants import Mutant, mutants
 from safeloc.assurance.mutation.places import Places
+from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.language.checks.composition import Plan
 from safeloc.language.composition import Clause, compose
@@ -28,12 +29,14 @@ class Composed:
     """A composition: the arguments of `compose`, and each machine with its own claims.
 
     claims  properties of the composition that are not inherited from one machine, without `reachable` ones
+    again   makes the target once more; None if that is not possible
     """
 
     target: Target
     plan: Plan
     members: Mapping[str, Declared]
     claims: tuple[Property, ...]
+    again: Callable[[], Target] | None = None
 
     def alone(self, name: str) -> Target:
         """Return a machine as a target of its own, without the recordings of the composition."""
@@ -41,14 +44,29 @@ class Composed:
         return Target(f"{self.target.name}: {name}", (machine,), lower(machine), self.members[name].properties)
 
 
-def composed(target: Target, places: Places) -> Composed:
-    """Return the composition of a target; InputError if no call of `compose` with its machines was recorded."""
+def composed(target: Target, places: Places, again: Callable[[], Target] | None = None) -> Composed:
+    """Return the composition of a target, which `again`, or its name, makes once more.
+
+    InputError if no call of `compose` with its machines was recorded.
+    """
     plan = next((one for one in places.plans if tuple(one.machines) == target.system.machines), None)
     if plan is None:
         raise InputError(f"{target.name}: how its machines are wired is not known; make them with `compose`.")
-    claims = tuple(prop for prop in target.properties if prop.kept_by is None and prop.kind != "reachable")
+    claims = asked_of_the_whole(target.properties)
     members = {one.name: Declared(one, _own_claims(target, one), claims) for one in target.system.machines}
-    return Composed(target, plan, members, claims)
+    return Composed(target, plan, members, claims, again or _by_name(target))
+
+
+def asked_of_the_whole(properties: Sequence[Property]) -> tuple[Property, ...]:
+    """Return the properties that are not inherited from one machine, without `reachable` ones."""
+    return tuple(prop for prop in properties if prop.kept_by is None and prop.kind != "reachable")
+
+
+def _by_name(target: Target) -> Callable[[], Target] | None:
+    """Return what makes the target once more by its requested name, if it has one and its figures are not those of a named configuration."""
+    if not target.spec or target.configuration:
+        return None
+    return lambda: load_target(target.spec, target.config_file)
 
 
 def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:
@@ -78,7 +96,7 @@ def joined(composed: Composed, machine: Machine, wires: Mapping[Var, Expr] | Non
         shared=composed.plan.shared,
         discharge=_discharged(composed.plan.discharge, was, machine),
     )
-    return _renamed(made.system, composed.target.system)
+    return in_variables_of(made.system, composed.target.system)[0]
 
 
 def _discharged(discharge: Sequence[Machine | Clause], was: Machine, now: Machine) -> list[Machine | Clause]:
@@ -98,13 +116,16 @@ def _rewired(wires: Mapping[Var, Expr], was: Machine, now: Machine) -> dict[Var,
     return {var: change(term) for var, term in wires.items()}
 
 
-def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSystem:
-    """Return the system in the variables of `like`, which has the same names. Parts take over `into`; contracts are rewritten."""
+def in_variables_of(system: TransitionSystem, like: TransitionSystem) -> tuple[TransitionSystem, Substitution]:
+    """Return the system in the variables of `like`, which has the same names, and what rewrites its terms so.
+
+    Parts take over `into`; contracts are rewritten.
+    """
     known = {(var.name, type(var)): var for var in (*like.state, *like.inputs, *like.fired)}
     mine = (*system.state, *system.inputs, *system.fired)
     twin = {var: known.get((var.name, type(var)), var) for var in mine}
     change = Substitution(dict(twin))
-    return replace(
+    renamed = replace(
         system,
         state=tuple(twin[var] for var in system.state),
         inputs=tuple(twin[var] for var in system.inputs),
@@ -120,6 +141,7 @@ def _renamed(system: TransitionSystem, like: TransitionSystem) -> TransitionSyst
         parts=tuple(_part(part, by_name, change) for part, by_name in zip(system.parts, like.parts, strict=True)),
         stages=(),
     )
+    return renamed, change
 
 
 def _number(var: Var) -> NumVar:

@@ -1,4 +1,4 @@
-"""The case splits that occur while a machine is built: every comparison, minimum, choice and charge, live or folded.
+"""The case splits that occur while a machine is built: every comparison, minimum, choice, sum and product, live or folded.
 
 Calls of the language are observed from outside, through Python's profiling hook, so the observed code is the proved code.
 """
@@ -28,7 +28,7 @@ _Judged = tuple[str, str] | None
 class Split:
     """A place where a machine, its world or a claim distinguishes cases, or adds a configured figure.
 
-    kind  comparison, minimum, maximum, choice, condition, charge, rounding
+    kind  comparison, minimum, maximum, choice, condition, sum, product, rounding
     way   the expression, and the calls that led to it, the innermost first
     """
 
@@ -114,14 +114,14 @@ def _computed(given: _Locals, _: Expr, observed: Observed) -> _Judged:
         return _EXTREMES[kind], why
     if constant or kind not in (Add, Sub):
         return None
-    return "charge", "it is 0" if _is(right, 0) or (kind is Add and _is(left, 0)) else ""
+    return "sum", "one addend is 0" if _is(right, 0) or (kind is Add and _is(left, 0)) else ""
 
 
 def _multiplied(given: _Locals, _: Expr, __: Observed) -> _Judged:
     left, right = given["left"], given["right"]
     if isinstance(left, Lit) and isinstance(right, Lit):
         return None
-    return "charge", "its factor is 0" if _is(left, 0) or _is(right, 0) else ""
+    return "product", "one factor is 0" if _is(left, 0) or _is(right, 0) else ""
 
 
 def _divided(given: _Locals, result: Expr, _: Observed) -> _Judged:

@@ -3,6 +3,9 @@
 In most terms the value disappears once the presence flag is set to false. For each of the others a solver proves that
 two copies of a step that differ only in the value end alike, in every reachable state. In a composition the check
 covers each machine alone, and the terms of the wires.
+
+The laws of the world are checked like the machine: an absent input is stored as a number (`canonical`), so a law that reads it
+would say of a silent sensor that it measures that number, and would prove a machine that takes silence for a measurement.
 """
 
 from __future__ import annotations
@@ -31,6 +34,7 @@ from safeloc.proof.provers.settle import settled
 NAMED = 3  # undecided readings that the verdict names; it only counts the others
 Reading = tuple[str, str]
 """The names of an input and of the term that reads it."""
+_LAW = "the law "
 
 
 @dataclass
@@ -50,7 +54,7 @@ def absence(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
         return
     found = _Found()
     for one in [part.alone for part in system.parts] or [system]:
-        _look(one, dict(_on_board(one)), limits, found)
+        _look(one, {**dict(_on_board(one)), **dict(_in_the_world(one))}, limits, found)
     if system.parts:
         _look(system, dict(_through_wires(system)), limits, found)
     settled_by_folding = (
@@ -128,6 +132,13 @@ def _on_board(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
     yield from ((var.name, term) for var, term in system.fired.items())
 
 
+def _in_the_world(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
+    """Yield the clauses of the worlds, and the moves of ghosts."""
+    for machine in system.machines:
+        yield from ((f"{_LAW}{name!r}", term) for name, term in machine.world.terms.items())
+    yield from ((f"the move of {var.name}", term) for var, term in system.next.items() if var in system.ghosts)
+
+
 def _through_wires(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:
     """Yield the term of each wire; a wire to an optional input counts only while that input is present."""
     for part in system.parts:
@@ -158,7 +169,7 @@ def _still_held(terms: Mapping[str, Expr], option: Optional) -> Iterator[tuple[s
 def _verdict(found: _Found, by_folding: str) -> Verdict:
     if found.read:
         readings = [f"{value} by {name}{_shown(verdict.trace)}" for (value, name), verdict in found.read.items()]
-        return Violated(None, "bmc", f"read although absent: {'; '.join(readings)}")
+        return Violated(None, "bmc", f"read although absent: {'; '.join(readings)}{_remedy(found)}")
     if found.failed:
         open_ = [f"{value} by {name}: {why}" for (value, name), why in found.failed.items()]
         more = f"; and {len(open_) - NAMED} more" if len(open_) > NAMED else ""
@@ -166,6 +177,12 @@ def _verdict(found: _Found, by_folding: str) -> Verdict:
     if not found.asked:
         return Proved(None, "folding", by_construction=by_folding)
     return Proved(None, "z3", 1, confirmed_by(found.texts), found.texts, by_construction=by_folding)
+
+
+def _remedy(found: _Found) -> str:
+    """Return the remedy for a law that says something of a silent sensor; nothing if only the machine reads."""
+    option = next((value for value, name in found.read if name.startswith(_LAW)), "")
+    return f". A law says nothing of a silent sensor: {option}.present.implies(...)" if option else ""
 
 
 def _shown(run: Trace | None) -> str:

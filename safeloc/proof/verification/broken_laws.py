@@ -1,4 +1,4 @@
-"""Which laws a recording breaks in the step from which on a property requires nothing of it, and what it may lack."""
+"""The laws that a recording breaks in the step from which on a property requires nothing of it, and what it may lack."""
 
 from __future__ import annotations
 

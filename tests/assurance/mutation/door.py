@@ -5,7 +5,7 @@ from __future__ import annotations
 from safeloc.language.composition import Composition, compose
 from safeloc.language.expr import Expr, NumVar, Var, boolean, number
 from safeloc.language.machine import Machine, Transition, modes
-from safeloc.language.spec import Property, always
+from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import COUNT, MM_S
 from safeloc.target import Target
 
@@ -43,6 +43,17 @@ def target() -> Target:
     return Target(
         "watched_door", (first, second), whole.system, tuple(_claims(whole, second)), members={"door": (by_itself,)}
     )
+
+
+def listening() -> Target:
+    """Both, with one claim more: of the wired input that says whether the vehicle is silent. A part of that wire says nothing new."""
+    first, second = watch(), door()
+    slow, silent = first.flag("slow"), first.flag("silent")
+    wires: dict[Var, Expr] = {SLOW: slow, SILENT: silent & (silent | slow)}
+    whole = compose("watched_door", [first, second], wires)
+    hears = whole.of(second).bool(SILENT).iff(whole.of(first).bool(~LAST))
+    heard = always("silence is heard", hears & earlier_bool(hears), unconditional=True)
+    return Target("watched_door", (first, second), whole.system, (*_claims(whole, second), heard))
 
 
 def _claims(whole: Composition, second: Machine) -> list[Property]:

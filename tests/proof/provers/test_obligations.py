@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from safeloc.language.expr import TRUE, Bool, all_of, boolean, number, optional, product
+from safeloc.language.expr import TRUE, Bool, Num, all_of, boolean, number, optional, product
 from safeloc.language.interpret import run
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import lower
@@ -244,6 +244,26 @@ def test_reading_an_absent_input_is_violated() -> None:
         "read although absent: reading by mode in a run of 1 steps, the last with reading.present = False"
         in violated.reason
     )
+
+
+def test_a_law_that_reads_an_absent_input_is_violated() -> None:
+    """It would say of a silent sensor that it measures the stored number, 0; so do moves of ghosts."""
+    reading, speed = optional("reading", COUNT, 0, 9), number("speed", COUNT, 0, 9)
+
+    def machine(law: Bool, move: Num = speed) -> Machine:
+        world = World({speed: ANY}, moves={speed: move}, clauses={"it measures": law})
+        return Machine(
+            "reader", (ONE, TWO), [reading], {}, {}, [Transition("take", ONE, TWO, reading.present)], world=world
+        )
+
+    measures = reading.value.eq(speed)
+    assert word(_found(machine(reading.present.implies(measures)))["absence"].result) == "proved"
+    violated = _found(machine(measures))["absence"].result
+    assert isinstance(violated, Violated)
+    assert "read although absent: reading by the law 'it measures' in a run of 1 steps" in violated.reason
+    assert violated.reason.endswith("A law says nothing of a silent sensor: reading.present.implies(...)")
+    moved = _found(machine(reading.present.implies(measures), reading.value))["absence"].result
+    assert isinstance(moved, Violated) and "reading by the move of speed" in moved.reason
 
 
 def hangs(*_: object) -> object:

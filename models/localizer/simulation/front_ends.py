@@ -1,0 +1,162 @@
+"""Inputs of many vehicles besides their own sources: distances, radio links, and the front ends of satellites and fibre.
+
+Each function returns columns of inputs under the names of the composition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.localizer.simulation.columns import Column, Columns
+from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM, Stretch, Vehicles, speeds_um_s
+from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
+from safeloc.models.motion.simulate import Measured
+from safeloc.models.verification.variables import FROM
+from safeloc.simulation.many_runs import Array
+
+_SENDERS = tuple(one.label for one in FROM)
+
+
+def common(vehicles: Vehicles, measured: Measured) -> Columns:
+    """Return the true step and place, and the distances that all sources share."""
+    motion = vehicles.motion
+    columns = {"true_step_nm": Column(_cycles(motion.step_nm)), "truth_mm": Column(_truths_mm(vehicles))}
+    for name, unit in (("motion.odometer_mm", measured.odometer), ("motion.check_mm", measured.check)):
+        if unit is not None:
+            columns[name] = Column(unit.step_mm, unit.present)
+    if measured.check is not None:
+        wander = Column(measured.odometer.wander_nm)
+        columns |= {"odometer_next_wander_nm": wander, "motion.lawful_next_wander_nm": wander}
+    return columns
+
+
+def _cycles(values: Array) -> Array:
+    """Return values of the cycles for all vehicles."""
+    return values[:, None]
+
+
+def _truths_mm(vehicles: Vehicles) -> NDArray[np.int64]:
+    return np.asarray(_cycles(vehicles.motion.position_nm // NM_PER_MM), dtype=np.int64)
+
+
+def links(vehicles: Vehicles) -> Columns:
+    """Return the inputs of the radio links: every fifth cycle a report that arrives two cycles later; fibre reports arrive at once."""
+    turn = np.arange(vehicles.shape[0])[:, None] % BLOCK_CYCLES
+    columns = {
+        "uplink.sent": Column(turn == 0),
+        "uplink.arrived": Column((turn == 2) & ~vehicles.acting("uplink silent")),
+    }
+    if "fibre" in vehicles.config.sources:
+        columns["downlink.arrived"] = Column(~vehicles.acting("downlink silent"))
+    return columns
+
+
+# ------------------------------------------------------------------ satellites
+
+
+def satellite(vehicles: Vehicles) -> Columns:
+    """Return the output of the satellites' front ends."""
+    config, truth = vehicles.config.satellite.selection, _truths_mm(vehicles)
+    undecided = np.array([[vehicles.first.undecided(int(place))] for place in truth[:, 0]], dtype=np.bool_)
+    dark = _within(vehicles.first.dark, truth) | vehicles.acting("satellites lost")
+    received = _in_a_row(~(dark | undecided))
+    missing = np.where(undecided, TWO_PORTIONS, NO_EPOCH)
+    sky = Sky(vehicles.satellites, received, vehicles.acting("multipath"), missing)
+    drawn = noise(config, received, [np.random.default_rng(seed + 1) for seed in vehicles.seeds])
+    spoofed = truth + np.cumsum(SPOOFED_MM * vehicles.acting("spoofing"), axis=0)
+    speed = _cycles(speeds_um_s(vehicles.motion)[1:])
+    columns = signals(config, sky, drawn) | solution(config, sky, drawn, spoofed, speed)
+    return columns | {"position.next_speed_um_s": Column(speed)}
+
+
+def _within(stretches: Sequence[Stretch], places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
+    found = np.zeros(places_mm.shape, dtype=np.bool_)
+    for one in stretches:
+        found |= one.holds(places_mm)
+    return found
+
+
+def _in_a_row(flags: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return for each cycle the number of cycles in a row, up to it, in which the flag is set."""
+    number = np.arange(1, len(flags) + 1)[:, None]
+    unset = np.maximum.accumulate(np.where(flags, 0, number), axis=0)
+    return np.asarray(number - unset, dtype=np.int64)
+
+
+# ------------------------------------------------------------------ the fibre, and the axle counter before it
+
+
+def fibre(vehicles: Vehicles) -> Columns:
+    """Return the output of the fibre's front ends, and of the axle counters at the area's border."""
+    journey, front = vehicles.first, _truths_mm(vehicles)
+    speed = _cycles(vehicles.motion.speed_mm_s.astype(np.int64))
+    inside = _within([] if journey.fibre is None else [journey.fibre], front)
+    if journey.astray is not None:
+        inside &= front < journey.astray.switch_mm
+    before = np.vstack([np.zeros((1, 1), dtype=np.bool_), inside[:-1]])
+    columns = _record(vehicles, front, speed, inside & ~before)
+    columns |= {
+        "next_true_axles": Column(journey.axles),
+        "next_true_length_um": Column(journey.length_mm * 1_000),
+    }
+    columns |= _pattern(vehicles, front, speed, inside)
+    columns["train_leaves"] = Column(before & ~inside)
+    return {f"verification.{name}": column for name, column in columns.items()}
+
+
+def _record(
+    vehicles: Vehicles, front: NDArray[np.int64], speed: NDArray[np.int64], due: NDArray[np.bool_]
+) -> dict[str, Column]:
+    """Return the reports of the axle counters, in the cycle in which the front passes them."""
+    journey = vehicles.first
+    sender = np.where(due, _SENDERS.index("AXLE_COUNTER"), _SENDERS.index("NOBODY"))
+    return {
+        "reference_due": Column(due),
+        "reference_from": Column(sender, labels=_SENDERS),
+        "record_sound": Column(True),
+        "record_axles": Column(journey.axles + 2 * vehicles.having("fibre miscount")),
+        "record_length_low_mm": Column(journey.length_mm - 2_000),
+        "record_length_high_mm": Column(journey.length_mm + 2_000),
+        "record_speed_low_mm_s": Column(speed - 300),
+        "record_speed_high_mm_s": Column(speed + 300),
+        "record_place_low_mm": Column(front - 5_000),
+        "record_place_high_mm": Column(front + 5_000),
+        "record_age_cycles": Column(0),
+    }
+
+
+def _pattern(
+    vehicles: Vehicles, front: NDArray[np.int64], speed: NDArray[np.int64], inside: NDArray[np.bool_]
+) -> dict[str, Column]:
+    """Return the features that the fibre determines in a block, every fifth cycle; nothing between them."""
+    located = inside & (np.arange(len(front))[:, None] % BLOCK_CYCLES == 0)
+    off_mm, faster_mm_s, longer_mm = _drawn(vehicles, np.flatnonzero(located))
+    return {
+        "associated": Column(located),
+        "fibre_located": Column(located),
+        "fibre_margin_above_mm": Column(12_000),
+        "fibre_margin_below_mm": Column(12_000),
+        "fibre_error": Column(inside & vehicles.acting("fibre error")),
+        "chain_tested": Column(inside),
+        "chain_failed": Column(False),
+        "fibre_position_mm": Column(front + off_mm, located),
+        "fibre_speed_mm_s": Column(speed + faster_mm_s, located),
+        "fibre_axles": Column(vehicles.first.axles, located),
+        "fibre_length_mm": Column(vehicles.first.length_mm + longer_mm, located),
+    }
+
+
+def _drawn(vehicles: Vehicles, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the errors of place, speed and length in these cycles: array [3, cycle, vehicle]."""
+    found = np.zeros((3, *vehicles.shape), dtype=np.int64)
+    most = vehicles.config.fibre.length_tolerance_mm
+    for vehicle, seed in enumerate(vehicles.seeds):
+        rng = np.random.default_rng(seed + 2)
+        for cycle in cycles.tolist():
+            place, speed = int(rng.integers(-8_000, 8_000)), int(rng.integers(-300, 300))
+            found[:, cycle, vehicle] = place, speed, int(rng.uniform(-0.4, 0.4) * most)
+    return found

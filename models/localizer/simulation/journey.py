@@ -1,0 +1,203 @@
+"""A vehicle's journey: its run, its line and the faults on it; and vehicles that travel alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.balise.groups import Group
+from safeloc.models.balise.simulate import RouteSet
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer.simulation.junction import Junction
+from safeloc.models.reflector import simulate as reflector_streams
+from safeloc.simulation.faults import Fault, Kinds, plain
+from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+
+KINDS = Kinds(
+    "a journey",
+    plain(
+        "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
+        "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
+        "balise missed", "balise displaced", "other branch taken", "linking not replaced",
+    ),
+)  # fmt: skip
+"""Faults act in a span of cycles; those of balises name the group. A miscount and the faults at the junction act once on a journey,
+and a fault of a group acts for the whole journey, whatever their cycles."""
+UNLAWFUL = ("odometer slides", "spoofing", "radar shifted", "marker misplaced")
+"""Kinds that break an assumption of a source about its sensors; the others keep every assumption."""
+OF_THE_ROUTE = ("other branch taken", "linking not replaced")
+"""Kinds that change which groups a vehicle passes, or the map announces."""
+SPOOFED_MM, SHIFTED_MM, BLOCK_CYCLES = 800, 60_000, 5
+"""Shift of all solutions in a cycle of spoofing, mm; shift of the radar, mm; length of a fibre's block, cycles."""
+
+
+PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
+    "motion": {"odometer silent": Fault("drop-out", "wheel"), "odometer slides": Fault("slide", "wheel")},
+    "odometry": {"marker misplaced": Fault("misplaced", "front_marker", figures={"reach": 1})},
+    "balise": {
+        "balise corrupted": Fault("corrupted"),
+        "balise missed": Fault("missed"),
+        "balise displaced": Fault("late"),
+    },
+    "reflector": {"radar blind": Fault("blind"), "radar shifted": Fault("shift", figures={"by_mm": SHIFTED_MM})},
+}
+"""Machine -> fault of the journey -> fault of the machine's own simulation."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of the line, mm."""
+
+    begin_mm: int
+    end_mm: int
+
+    def holds(self, places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return which places, mm, lie in the stretch."""
+        return np.asarray((self.begin_mm <= places_mm) & (places_mm < self.end_mm), dtype=np.bool_)
+
+
+@dataclass(frozen=True)
+class Journey:
+    """A vehicle's run, its line and the faults on it.
+
+    dark        stretches without satellites; elsewhere `satellites` are in view, as far as the receiver has channels
+    fibre       the stretch with a fibre along the track, with an axle counter at its beginning
+    groups      balise groups along the route that is set, those behind the junction included
+    junction    the switch at which another branch leaves that route; there is no fibre along the branch
+    """
+
+    legs: Sequence[Leg]
+    markers: Sequence[tuple[int, int]] = ()
+    groups: Sequence[Group] = ()
+    reflectors: reflector_streams.Route = field(default_factory=lambda: reflector_streams.Route((), ()))
+    dark: Sequence[Stretch] = ()
+    satellites: int = 16
+    fibre: Stretch | None = None
+    junction: Junction | None = None
+    axles: int = 16
+    length_mm: int = 60_000
+    acceleration_mm_s2: int = 700
+    troubles: Sequence[Fault] = ()
+
+    @property
+    def lawful(self) -> bool:
+        """No fault breaks an assumption."""
+        return not any(one.kind in UNLAWFUL for one in self.troubles)
+
+    @property
+    def astray(self) -> Junction | None:
+        """The junction if the vehicle takes the other branch there than the route says, else None."""
+        return self.junction if any(one.kind == "other branch taken" for one in self.troubles) else None
+
+    @property
+    def passed(self) -> list[Group]:
+        """The groups that the vehicle passes."""
+        return list(self.groups) if self.astray is None else self.astray.branched(self.groups)
+
+    @property
+    def announced(self) -> list[Group]:
+        """The groups that linking announces in the end: behind the switch those of the other branch, if linking is not replaced."""
+        stale = any(one.kind == "linking not replaced" for one in self.troubles)
+        return self.junction.branched(self.groups) if stale and self.junction else list(self.groups)
+
+    def undecided(self, place_mm: int) -> bool:
+        """Return whether either branch is possible at a place, so that no satellite signal can be predicted."""
+        return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
+
+
+def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
+    """Return the vehicle's run, which begins at place 0."""
+    vehicle = VehicleConfig(
+        max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9), acceleration_mm_s2=journey.acceleration_mm_s2,
+        brake_mm_s2=journey.acceleration_mm_s2, length_mm=journey.length_mm,
+    )  # fmt: skip
+    return move(vehicle, journey.legs, config.motion.period_ms)
+
+
+def speeds_um_s(motion: Motion) -> NDArray[np.int64]:
+    """Return the speed at the end of each cycle, the initial one first: the mean over the cycles before and after."""
+    step = np.concatenate([motion.step_nm[:1], motion.step_nm, motion.step_nm[-1:]])
+    return np.asarray((step[:-1] + step[1:]) // (2 * motion.period_ms), dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Vehicles:
+    """Vehicles whose journeys differ in satellites, times and groups of faults only, each with its seed.
+
+    They share motion, groups and linking, so either all of them go astray, or miss the change of linking, or none.
+    """
+
+    config: LocalizerConfig
+    journeys: Sequence[Journey]
+    seeds: Sequence[int]
+
+    @property
+    def first(self) -> Journey:
+        """The journey of the first one, for what they share."""
+        return self.journeys[0]
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The run of all of them."""
+        return motion_of(self.config, self.first)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cycles and vehicles."""
+        return len(self.motion.position_nm), len(self.journeys)
+
+    @property
+    def satellites(self) -> NDArray[np.int64]:
+        """Satellites in view of each."""
+        return np.array([one.satellites for one in self.journeys], dtype=np.int64)
+
+    def acting(self, kind: str) -> NDArray[np.bool_]:
+        """Return whether a fault of a kind acts: array [cycle, vehicle]."""
+        found = np.zeros(self.shape, dtype=np.bool_)
+        for vehicle, journey in enumerate(self.journeys):
+            for one in journey.troubles:
+                if one.kind == kind:
+                    found[one.span, vehicle] = True
+        return found
+
+    def having(self, kind: str) -> NDArray[np.bool_]:
+        """Return which vehicles have a fault of a kind."""
+        return np.array(
+            [any(one.kind == kind for one in journey.troubles) for journey in self.journeys], dtype=np.bool_
+        )
+
+    def passed_on(self, machine: str) -> list[list[Fault]]:
+        """Return the troubles of each vehicle as faults of a machine's own simulation."""
+        known = PASSED_ON[machine]
+        return [
+            [replace(known[one.kind], begin=one.begin, end=one.end) for one in journey.troubles if one.kind in known]
+            for journey in self.journeys
+        ]
+
+    def faulty_groups(self) -> list[list[Fault]]:
+        """Return the faults of the balise groups that each vehicle passes."""
+        known, met = PASSED_ON["balise"], {group.identity for group in self.first.passed}
+        return [
+            [
+                replace(known[one.kind], where=one.where)
+                for one in journey.troubles
+                if one.kind in known and one.where in met
+            ]
+            for journey in self.journeys
+        ]
+
+    def routes(self) -> list[RouteSet]:
+        """Return linking for the other branch until the route is set, and for the route from then on, unless linking is not replaced."""
+        journey = self.first
+        if journey.junction is None:
+            return []
+        first = RouteSet(0, journey.junction.branched(journey.groups))
+        reached = np.flatnonzero(self.motion.position_nm >= journey.junction.set_mm * NM_PER_MM)
+        if not len(reached) or any(one.kind == "linking not replaced" for one in journey.troubles):
+            return [first]
+        return [first, RouteSet(int(reached[0]), journey.groups)]

@@ -1,0 +1,115 @@
+"""The sources of many localizers as arrays of the composition's inputs: each is simulated as the source of one vehicle is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from safeloc.language.system import TransitionSystem, lower
+from safeloc.models import odometry
+from safeloc.models.balise.simulation.many import Line
+from safeloc.models.balise.simulation.many import simulate_many as simulate_balises
+from safeloc.models.balise.simulation.passages import Antenna
+from safeloc.models.localizer.simulation.columns import Columns, arrays_of
+from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
+from safeloc.models.localizer.simulation.journey import Vehicles
+from safeloc.models.localizer.simulation.simulate import radar_scene
+from safeloc.models.motion.simulate import Measured, measured_by_many
+from safeloc.models.odometry.many import simulate_alike
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.reflector.simulation.draws import OfMany
+from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
+from safeloc.models.reflector.simulation.scene import KINDS
+from safeloc.simulation.many_runs import Array, absent_everywhere
+
+
+@dataclass(frozen=True, eq=False)
+class Fleet:
+    """Vehicles that travel alike, and the localizer with its world that their inputs are for.
+
+    libraries  folder for compiled machines; None: a temporary one
+    """
+
+    vehicles: Vehicles
+    system: TransitionSystem
+    libraries: Path | None
+
+    def rngs(self) -> list[np.random.Generator]:
+        """Return a new generator for each vehicle."""
+        return [np.random.default_rng(seed) for seed in self.vehicles.seeds]
+
+    def inputs(self) -> dict[str, Array]:
+        """Return all inputs: name -> array [cycle, vehicle]."""
+        vehicles = self.vehicles
+        measured = measured_by_many(
+            "wheel", vehicles.config.motion, vehicles.motion, self.rngs(), vehicles.passed_on("motion"), self.libraries
+        )
+        found = self._of(common(vehicles, measured)) | self._of(links(vehicles))
+        for name in vehicles.config.arbitration.sources:
+            found |= _SOURCES[name](self, measured)
+        return absent_everywhere(self.system, *vehicles.shape, but=found)
+
+    def _of(self, columns: Columns) -> dict[str, Array]:
+        return arrays_of(columns, self.system, self.vehicles.shape)
+
+    def named(self, machine: str, inputs: Mapping[str, Array]) -> dict[str, Array]:
+        """Return a machine's own inputs under the names of the composition, without those wired to other machines."""
+        known = {var.name for var in self.system.inputs}
+        return {f"{machine}.{name}": values for name, values in inputs.items() if f"{machine}.{name}" in known}
+
+
+@lru_cache(maxsize=8)
+def _odometry_system(config: str) -> TransitionSystem:
+    return lower(odometry.machine(OdometryConfig.model_validate_json(config)))
+
+
+def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
+    vehicles, config = fleet.vehicles, fleet.vehicles.config.odometry
+    made = simulate_alike(
+        config, _odometry_system(config.model_dump_json()), vehicles.motion, fleet.rngs(), vehicles.passed_on("odometry"),
+        vehicles.first.markers, measured.odometer, measured.check,
+    )  # fmt: skip
+    return fleet.named("odometry", made)
+
+
+def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
+    vehicles, groups = fleet.vehicles, fleet.vehicles.first.passed
+    announced = {0: groups} | {one.cycle: one.groups for one in vehicles.routes()}
+    antennas = [Antenna(rng, 0, 0, 0.5, own) for rng, own in zip(fleet.rngs(), vehicles.faulty_groups(), strict=True)]
+    motions = [vehicles.motion] * len(antennas)
+    line = Line(groups, announced, 5_000, fleet.libraries)
+    made = simulate_balises(vehicles.config.balise, line, motions, measured.reported, antennas)
+    return fleet.named("balise", made.inputs)
+
+
+def _reflector(fleet: Fleet, measured: Measured) -> dict[str, Array]:
+    vehicles = fleet.vehicles
+    disturbed = vehicles.passed_on("reflector")
+    for own in disturbed:
+        KINDS.require(own, places=[""], length=vehicles.shape[0])
+    made = simulate_radars(
+        vehicles.config.reflector, radar_scene(vehicles.first), vehicles.motion, measured.reported, disturbed,
+        OfMany(fleet.rngs()), fleet.libraries,
+    )  # fmt: skip
+    return fleet.named("reflector", made)
+
+
+def _satellite(fleet: Fleet, _: Measured) -> dict[str, Array]:
+    return arrays_of(satellite(fleet.vehicles), fleet.system, fleet.vehicles.shape)
+
+
+def _fibre(fleet: Fleet, _: Measured) -> dict[str, Array]:
+    return arrays_of(fibre(fleet.vehicles), fleet.system, fleet.vehicles.shape)
+
+
+_SOURCES = {
+    "odometry": _odometry,
+    "balise": _balise,
+    "reflector": _reflector,
+    "satellite": _satellite,
+    "fibre": _fibre,
+}

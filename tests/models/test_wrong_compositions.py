@@ -1,0 +1,392 @@
+"""Compositions that a tired engineer might make: right machines, wired wrongly. Each is refused by a claim of the whole.
+
+That a wrong interval does not hold the truth is refused by contracts, in the tests of each composition. The wrong ones here hold it:
+another output of the same kind, a source that is not heard, a gate or a reason between two machines left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import pytest
+
+from safeloc.assurance.mutation.members import Composed, composed
+from safeloc.assurance.mutation.places import noted
+from safeloc.assurance.mutation.rewired import rewired
+from safeloc.catalogue import load_target
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Optional, Var, ite, maximum
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
+from safeloc.models.marker_device.configuration import MarkerDeviceConfig
+from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
+from safeloc.models.vocabulary.absent import wired_interval
+from safeloc.models.vocabulary.reasons import TOLERANCE
+from tests.models.inductive import inductive_in
+
+Wires = Mapping[Var, Expr]
+Wrong = Callable[["Wired"], Wires]
+
+
+class Wired:
+    """A composition with its right wires, by names: "machine.input" and "machine.output"."""
+
+    def __init__(self, whole: Composed) -> None:
+        self._machines = {one.name: one for one in whole.plan.machines}
+        self._right = whole.plan.wires
+
+    def to(self, name: str) -> Var:
+        """The wired input."""
+        machine, _, var = name.partition(".")
+        return next(one for one in self.inputs(machine) if one.name == var)
+
+    def inputs(self, machine: str) -> Iterator[Var]:
+        """All inputs of a machine."""
+        for one in self._machines[machine].inputs:
+            yield from (one.value, one.present) if isinstance(one, Optional) else (one,)
+
+    def right(self, name: str) -> Expr:
+        """The right term on the wire to an input."""
+        return self._right[self.to(name)]
+
+    def of(self, name: str) -> Any:
+        """An output."""
+        machine, _, output = name.partition(".")
+        return self._machines[machine].outputs[output]
+
+    def interval(self, machine: str) -> tuple[Num, Num, Num]:
+        """Position, margin below, margin above."""
+        return wired_interval(self._machines[machine])
+
+
+def cut(name: str) -> Wrong:
+    """The wires on which one input always hears false, or 0."""
+
+    def wrong(of: Wired) -> Wires:
+        return {of.to(name): _zero(of, name) if isinstance(of.to(name), NumVar) else FALSE}
+
+    wrong.__name__ = f"{name} cut"
+    return wrong
+
+
+# ------------------------------------------------------------------ the restrictive state behind a source
+
+
+def _wider_side_for_both(of: Wired) -> Wires:
+    """The host gets the wider margin on both sides: no longer the source's interval, but one that holds the truth."""
+    _, below, above = of.interval("odometry")
+    sides = ("source_margin_below_mm", "source_margin_above_mm")
+    return {of.to(f"delocalized.{side}"): maximum(below, above) for side in sides}
+
+
+def _no_reason(of: Wired) -> Wires:
+    return {of.to("delocalized.source_reason"): TOLERANCE}
+
+
+# ------------------------------------------------------------------ marker device
+
+
+def _guards_interval_for_the_host(of: Wired) -> Wires:
+    """In a cycle with a fix the host gets the guard's interval at end A, which no odometer and no marker has judged."""
+    config = MarkerDeviceConfig()
+    (place, low, high), given = of.interval("guard"), of.interval("odometry")
+    passed = of.of("guard.passed") & of.of("guard.valid") & of.of("odometry.valid")
+    slack = config.antenna_tolerance_mm
+    named = ("source_position_mm", "source_margin_below_mm", "source_margin_above_mm")
+    theirs = (place + config.antenna_mm, low + slack, high + slack)
+    return {
+        of.to(f"delocalized.{name}"): ite(passed, one, other)
+        for name, one, other in zip(named, theirs, given, strict=True)
+    }
+
+
+def _passed_without_an_interval(of: Wired) -> Wires:
+    """The gate `valid` is left out."""
+    (place, _, _), passed = of.interval("guard"), of.of("guard.passed")
+    config, name = MarkerDeviceConfig(), "odometry.satellite_position_mm"
+    return {of.to(f"{name}.present"): passed, of.to(name): ite(passed, place + config.antenna_mm, 0)}
+
+
+# ------------------------------------------------------------------ fibre area
+
+
+def _one_end_located(of: Wired) -> Wires:
+    return {of.to("verification.fibre_located"): of.of("front.valid")}
+
+
+def _trusted_without_a_report(of: Wired) -> Wires:
+    return {of.to("area.train_1_trusted"): of.of("verification.trusted")}
+
+
+def _never_tested(of: Wired) -> Wires:
+    return {of.to("verification.chain_tested"): of.of("emitter.failed")}
+
+
+def _failed_until_tested(of: Wired) -> Wires:
+    """A chain that waits for its first pattern is taken for a failed one."""
+    return {of.to("verification.chain_failed"): ~of.of("emitter.chain_tested")}
+
+
+def _only_narrow_places(of: Wired) -> Wires:
+    """The front's place only while its margin is narrower than anybody asks for."""
+    present = of.to("verification.fibre_position_mm.present")
+    (place, below, _), narrow = of.interval("front"), _flag(of.right("verification.fibre_position_mm.present"))
+    narrow = narrow & (below <= 1_000)
+    return {present: narrow, of.to("verification.fibre_position_mm"): ite(narrow, place, 0)}
+
+
+def _wider_place(of: Wired) -> Wires:
+    """A margin that is no longer the front machine's, but one that holds the front."""
+    (_, below, above), present = of.interval("front"), _flag(of.right("verification.fibre_position_mm.present"))
+    return {of.to("verification.fibre_margin_below_mm"): ite(present, maximum(below, above) + 1, 0)}
+
+
+def _ends_exchanged(of: Wired) -> Wires:
+    """The distance from front to rear for that from rear to front: two bounds with the wrong sign."""
+    (front, front_below, front_above), (rear, rear_below, rear_above) = of.interval("front"), of.interval("rear")
+    present = _flag(of.right("verification.fibre_ends_low_mm.present"))
+    return {
+        of.to("verification.fibre_ends_low_mm"): ite(present, rear - rear_below - front - front_above, 0),
+        of.to("verification.fibre_ends_high_mm"): ite(present, rear + rear_above - front + front_below, 0),
+    }
+
+
+def _nobody_sends(of: Wired) -> Wires:
+    """Every record comes from nobody: each is taken for a lost one."""
+    return {of.to("verification.reference_from"): NOBODY}
+
+
+def _counter_taken_for_neighbour(machine: str) -> Wrong:
+    """The train is not compared with its counter's place and speed when it comes in."""
+
+    def counter_taken_for_neighbour(of: Wired) -> Wires:
+        source = of.right(f"{machine}.reference_from")
+        assert isinstance(source, Num)
+        return {of.to(f"{machine}.reference_from"): ite(source.eq(AXLE_COUNTER), NEIGHBOUR, source)}
+
+    return counter_taken_for_neighbour
+
+
+def _neighbour_taken_for_counter(of: Wired) -> Wires:
+    source = of.right("verification.reference_from")
+    assert isinstance(source, Num)
+    return {of.to("verification.reference_from"): ite(source.eq(NEIGHBOUR), AXLE_COUNTER, source)}
+
+
+def _runs_nowhere(of: Wired) -> Wires:
+    return {of.to("report.runs_upwards"): of.right("report.runs_downwards")}
+
+
+def _only_whole_trains(of: Wired) -> Wires:
+    """A report of one believed end never reaches the area."""
+    both = _flag(of.right("area.train_1_trusted")) & _flag(of.right("area.train_1_integer"))
+    return {of.to("area.train_1_trusted"): both}
+
+
+def _entry_at_the_other_end(of: Wired) -> Wires:
+    """The area's law then speaks of a train at the other end, and every proof holds of that train."""
+    event = of.right("area.train_1_event")
+    assert isinstance(event, Num)
+    other = ite(event.eq(ENTERS_LOW), ENTERS_HIGH, ite(event.eq(ENTERS_HIGH), ENTERS_LOW, event))
+    return {of.to("area.train_1_event"): other}
+
+
+# ------------------------------------------------------------------ handover
+
+
+def _no_shared_stretch(of: Wired) -> Wires:
+    return {of.to("speaker.shared_from_mm"): of.right("speaker.shared_to_mm")}
+
+
+def _only_the_giving_area(of: Wired) -> Wires:
+    """Of two intervals the wider one: the taking area's bounds are those of the giving one."""
+    return {of.to(f"speaker.taking_{end}_mm"): of.right(f"speaker.giving_{end}_mm") for end in ("low", "high")}
+
+
+# ------------------------------------------------------------------ localizer
+
+
+def _satellites_unheard(of: Wired) -> Wires:
+    """Satellites count only with an accepted fix: while they coast they contradict nobody."""
+    return {of.to("arbitration.satellite_valid"): _flag(of.right("arbitration.satellite_reference"))}
+
+
+def _reason_of_another(of: Wired) -> Wires:
+    return {of.to("arbitration.odometry_reason"): of.right("arbitration.balise_reason")}
+
+
+def _reference_of_another(of: Wired) -> Wires:
+    return {of.to("arbitration.balise_reference"): _flag(of.right("arbitration.odometry_reference"))}
+
+
+def _any_echo_a_reference(of: Wired) -> Wires:
+    """A measured reflector brings a position back although nobody has recognised which one it is."""
+    return {of.to("arbitration.reflector_reference"): of.of("reflector.valid") & of.of("reflector.precise")}
+
+
+def _revocation_not_sent(of: Wired) -> Wires:
+    """Only trust is sent on board, so a revoked position is used there until it is too old."""
+    return {of.to("downlink.sent"): of.of("verification.trusted")}
+
+
+def _one_unit_only(of: Wired) -> Wires:
+    return {
+        of.to("odometry.front_radar_mm.present"): FALSE,
+        of.to("odometry.front_radar_mm"): _zero(of, "odometry.front_radar_mm"),
+    }
+
+
+def _no_distance(of: Wired) -> Wires:
+    return {
+        of.to("arbitration.distance_mm.present"): FALSE,
+        of.to("arbitration.distance_mm"): _zero(of, "arbitration.distance_mm"),
+    }
+
+
+def _no_reference_for_satellites(of: Wired) -> Wires:
+    names = ("reference_mm.present", "reference_mm", "reference_accuracy_mm")
+    return {
+        of.to(f"position.{name}"): FALSE if name.endswith("present") else _zero(of, f"position.{name}")
+        for name in names
+    }
+
+
+def _wider_for_the_trackside(of: Wired) -> Wires:
+    _, below, above = of.interval("delocalized")
+    return {of.to(f"uplink.sent_margin_{side}_mm"): maximum(below, above) for side in ("below", "above")}
+
+
+def _arbitration_for_the_trackside(of: Wired) -> Wires:
+    return {of.to("uplink.sent_valid"): of.of("arbitration.valid")}
+
+
+# ------------------------------------------------------------------ localizer and sections
+
+
+def _wider_for_the_ends(of: Wired) -> Wires:
+    _, below, above = of.interval("delocalized")
+    return {of.to(f"ends.front_margin_{side}_mm"): maximum(below, above) for side in ("below", "above")}
+
+
+def _trackside_of_whole_trains(of: Wired) -> Wires:
+    """A report of the front end alone never reaches the area."""
+    return {of.to("area.train_1_trusted"): of.of("trackside.integer")}
+
+
+def _flag(term: Expr) -> Bool:
+    assert isinstance(term, Bool)
+    return term
+
+
+def _zero(of: Wired, name: str) -> Lit:
+    var = of.to(name)
+    assert isinstance(var, NumVar)
+    return Lit(0, var.unit)
+
+
+_ENDS = "a train is untrusted only for what is said of it"
+_LACKS = "a train is withheld only for what is missing"
+_INTERVAL, _REASON = "the host gets its source's interval", "the host is told its source's reason"
+_REFERENCES = "arbitration hears each reference and each reason"
+WRONG: tuple[tuple[str, Wrong, str], ...] = (
+    ("supervised_odometry", _wider_side_for_both, _INTERVAL),
+    ("supervised_odometry", _no_reason, _REASON),
+    ("marker_device", _wider_side_for_both, _INTERVAL),
+    ("marker_device", _no_reason, _REASON),
+    ("marker_device", _guards_interval_for_the_host, _INTERVAL),
+    ("marker_device", cut("guard.advance"), "time passes for the guard in every cycle"),
+    ("fibre_area", cut("verification.chain_failed"), "a chain that failed is latched"),
+    ("fibre_area", _never_tested, _LACKS),
+    ("fibre_area", _failed_until_tested, _ENDS),
+    ("fibre_area", _only_narrow_places, _LACKS),
+    ("fibre_area", _wider_place, "the reported position is the front's"),
+    ("fibre_area", _ends_exchanged, _ENDS),
+    ("fibre_area", _nobody_sends, _ENDS),
+    ("fibre_area", _counter_taken_for_neighbour("verification"), "at the counter speed and place are compared"),
+    ("fibre_area", _neighbour_taken_for_counter, "a neighbour's record is compared with no counter"),
+    ("fibre_area", cut("report.count_matches_now"), "a train of which all axles are counted is reported whole"),
+    ("fibre_area", _runs_nowhere, "a measured run counts for the end that leads"),
+    ("fibre_area", _only_whole_trains, "every report reaches the area"),
+    ("fibre_area", cut("area.train_1_integer"), "a whole train is confirmed"),
+    ("fibre_area", _entry_at_the_other_end, "the area hears of a train at the end where it is counted"),
+    (
+        "counted_entry",
+        _counter_taken_for_neighbour("verification_doubted"),
+        "at the counter place and speed are compared",
+    ),
+    ("counted_entry", cut("verification_doubted.record_sound"), "an undisturbed record is handed over"),
+    ("counted_entry", cut("verification_doubted.record_length_low_mm"), "the record is no wider than the counter's"),
+    ("fibre_handover", cut("border.giving_distrusts"), "distrust on the way loses the handover"),
+    ("fibre_handover", cut("taking.record_axles"), "the record that arrives is the giving area's"),
+    ("fibre_handover", cut("taking.reference_from"), "the record that arrives is the giving area's"),
+    ("fibre_handover", cut("speaker.taking_trusts"), "each area that may report is heard"),
+    ("fibre_handover", _no_shared_stretch, "each area that may report is heard"),
+    ("fibre_handover", _only_the_giving_area, "what is reported is what the areas have in common"),
+    ("localizer", _satellites_unheard, "arbitration hears what each source states"),
+    ("localizer", _reason_of_another, _REFERENCES),
+    ("localizer", _reference_of_another, _REFERENCES),
+    ("localizer", _any_echo_a_reference, _REFERENCES),
+    ("localizer", _revocation_not_sent, "each verdict of the trackside is sent on board"),
+    ("localizer", cut("downlink.sent_valid"), "each verdict of the trackside is sent on board"),
+    ("localizer", _one_unit_only, "every machine runs on by the vehicle's distance"),
+    ("localizer", _no_distance, "every machine runs on by the vehicle's distance"),
+    ("localizer", cut("position.usable_3"), "the position hears which satellites are usable"),
+    ("localizer", _no_reference_for_satellites, "satellites hear every reference"),
+    ("localizer", _wider_for_the_trackside, "the trackside is sent what the host gets"),
+    ("localizer_sections", _wider_for_the_ends, "both ends are sent together"),
+    ("localizer_sections", cut("far_uplink.sent_valid"), "both ends are sent together"),
+    ("localizer_sections", cut("trackside.far_valid"), "the trackside hears both links"),
+    ("localizer_sections", cut("area.train_1_integer"), "the area hears the trackside"),
+    ("localizer_sections", _trackside_of_whole_trains, "the area hears the trackside"),
+)
+"""A composition, its wrong wires, and the claim that refuses them."""
+HARMLESS: tuple[tuple[str, Wrong, str, str], ...] = (
+    ("marker_device", _passed_without_an_interval, "positions of the antenna count for end A",
+     "the guard passes a fix on only with an interval"),
+    ("fibre_area", _one_end_located, _LACKS, "the front's place is there only if both ends are located"),
+    ("fibre_area", _trusted_without_a_report, "every report reaches the area", "without a report there is nothing to trust"),
+    ("localizer", _arbitration_for_the_trackside, "the trackside is sent what the host gets",
+     "arbitration and restrictive state have one tolerance, so the vehicle is restrictive exactly while arbitration reports nothing"),
+)  # fmt: skip
+"""A composition, other wires, the claim that they might break, and the reason why they do not."""
+
+
+@cache
+def composition(name: str) -> Composed:
+    """The composition as it ships, which can be made again with other wires."""
+    with noted() as places:
+        target = load_target(name)
+    return composed(target, places)
+
+
+def holds(name: str, wires: Wires, claim: str) -> bool:
+    """Whether a claim is inductive with the lemmas."""
+    whole = composition(name)
+    made = rewired(whole, {**whole.plan.wires, **wires})
+    [prop] = [one for one in made.claims if one.name == claim]
+    return inductive_in(made.system, prop, claim)
+
+
+@pytest.mark.thorough(ordinary=2)
+@pytest.mark.parametrize(
+    ("name", "wrong", "claim"), WRONG, ids=[f"{name} {wrong.__name__.strip('_')}" for name, wrong, _ in WRONG]
+)
+def test_a_wrong_composition_is_refused(name: str, wrong: Wrong, claim: str) -> None:
+    """By the claim that is named."""
+    assert not holds(name, wrong(Wired(composition(name))), claim)
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize(("name", "claim"), sorted({(name, claim) for name, _, claim in WRONG}))
+def test_the_right_composition_keeps_it(name: str, claim: str) -> None:
+    """So that a refusal is due to the wire."""
+    assert holds(name, {}, claim)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("name", "other", "claim", "reason"), HARMLESS, ids=[one[1].__name__.strip("_") for one in HARMLESS]
+)
+def test_harmless_wires_are_not_refused(name: str, other: Wrong, claim: str, reason: str) -> None:
+    """Otherwise the claim would refuse whatever is written differently."""
+    assert holds(name, other(Wired(composition(name))), claim), reason
