@@ -15,6 +15,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from safeloc.config import in_words
 from safeloc.errors import InputError, ModelError
 from safeloc.language.renamed import FIELDS, hint
 from safeloc.own_module import as_input_error, load_module, own_target
@@ -195,9 +196,14 @@ def _frozen(content: object) -> object:
 
 
 def _fields(error: ValidationError, kind: type[BaseModel] | None = None) -> list[str]:
-    """Describe each wrong field: its name, the error, the value, and for an unknown one the nearest field of `kind`."""
+    """Describe each wrong field: its name, the error, the value, and for an unknown one the nearest field of `kind`.
+
+    A figure that contradicts another one has no name before it: the sentence names both.
+    """
     return [
-        f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}{_now(e) or _nearest(e, kind)}"
+        ": ".join(
+            filter(None, [".".join(map(str, e["loc"])), f"{in_words(e)}{_given(e)}{_now(e) or _nearest(e, kind)}"])
+        )
         for e in error.errors()
     ]
 

@@ -35,6 +35,33 @@ def quantity(default: int, unit: str, low: int, high: int, source: str) -> Any:
     return Field(default=default, ge=low, le=high, json_schema_extra={"unit": unit, "source": source})
 
 
+def in_words(error: Mapping[str, Any]) -> str:
+    """Return what is wrong with a field of a configuration; `error` is one of pydantic's `ValidationError.errors()`."""
+    kind, bound = error["type"], error.get("ctx", {})
+    if kind == "missing" and len(error["loc"]) > 1:
+        return "has to be given, since a table of the file replaces the default table as a whole"
+    if kind in _WORDS:
+        return _WORDS[kind].format(**bound)
+    return str(error["msg"]).removeprefix("Value error, ")
+
+
+_WORDS: Mapping[str, str] = {
+    **dict.fromkeys(("int_type", "int_from_float", "int_parsing"), "has to be a whole number"),
+    "bool_type": "has to be true or false",
+    "string_type": "has to be text",
+    "extra_forbidden": "there is no such figure",
+    "greater_than": "has to be above {gt}",
+    "greater_than_equal": "has to be at least {ge}",
+    "less_than": "has to be below {lt}",
+    "less_than_equal": "has to be at most {le}",
+    "literal_error": "has to be {expected}",
+    "missing": "has to be given",
+    "model_type": "has to be a table of figures",
+    "model_attributes_type": "has to be a table of figures",
+}
+"""The words for pydantic's kinds of errors, with the names of their bounds."""
+
+
 class Derived(property):
     """A figure computed from the fields of its configuration; reports list it after the fields."""
 
@@ -66,16 +93,19 @@ def figures(config: BaseModel, prefix: str = "", usual: BaseModel | None = None)
     """
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
-        default = (
-            field.get_default(call_default_factory=True, validated_data={}) if usual is None else getattr(usual, name)
-        )
+        usually = field.get_default(call_default_factory=True, validated_data={})
+        default = usually if usual is None else getattr(usual, name)
         if isinstance(value, BaseModel):
             yield from figures(value, f"{prefix}{name}.", default if isinstance(default, type(value)) else None)
             continue
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         source = str(extra.get("source", field.description or ""))
-        if (usual is not None or not field.is_required()) and value != default:
+        if field.is_required() and usual is None:
+            pass
+        elif value != default:
             source = f"set here; the default is {default} {source}"
+        elif not field.is_required() and value != usually:
+            source = f"the default here, elsewhere {usually} {source}"
         yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
     for name, figure in derived_figures(config):
         value, source = getattr(config, name), f"follows from the figures above: {figure.source}"
