@@ -35,33 +35,6 @@ def quantity(default: int, unit: str, low: int, high: int, source: str) -> Any:
     return Field(default=default, ge=low, le=high, json_schema_extra={"unit": unit, "source": source})
 
 
-def in_words(error: Mapping[str, Any]) -> str:
-    """Return what is wrong with a field of a configuration; `error` is one of pydantic's `ValidationError.errors()`."""
-    kind, bound = error["type"], error.get("ctx", {})
-    if kind == "missing" and len(error["loc"]) > 1:
-        return "has to be given, since a table of the file replaces the default table as a whole"
-    if kind in _WORDS:
-        return _WORDS[kind].format(**bound)
-    return str(error["msg"]).removeprefix("Value error, ")
-
-
-_WORDS: Mapping[str, str] = {
-    **dict.fromkeys(("int_type", "int_from_float", "int_parsing"), "has to be a whole number"),
-    "bool_type": "has to be true or false",
-    "string_type": "has to be text",
-    "extra_forbidden": "there is no such figure",
-    "greater_than": "has to be above {gt}",
-    "greater_than_equal": "has to be at least {ge}",
-    "less_than": "has to be below {lt}",
-    "less_than_equal": "has to be at most {le}",
-    "literal_error": "has to be {expected}",
-    "missing": "has to be given",
-    "model_type": "has to be a table of figures",
-    "model_attributes_type": "has to be a table of figures",
-}
-"""The words for pydantic's kinds of errors, with the names of their bounds."""
-
-
 class Derived(property):
     """A figure computed from the fields of its configuration; reports list it after the fields."""
 
