@@ -66,16 +66,19 @@ def figures(config: BaseModel, prefix: str = "", usual: BaseModel | None = None)
     """
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
-        default = (
-            field.get_default(call_default_factory=True, validated_data={}) if usual is None else getattr(usual, name)
-        )
+        usually = field.get_default(call_default_factory=True, validated_data={})
+        default = usually if usual is None else getattr(usual, name)
         if isinstance(value, BaseModel):
             yield from figures(value, f"{prefix}{name}.", default if isinstance(default, type(value)) else None)
             continue
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         source = str(extra.get("source", field.description or ""))
-        if (usual is not None or not field.is_required()) and value != default:
+        if field.is_required() and usual is None:
+            pass
+        elif value != default:
             source = f"set here; the default is {default} {source}"
+        elif not field.is_required() and value != usually:
+            source = f"the default here, elsewhere {usually} {source}"
         yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
     for name, figure in derived_figures(config):
         value, source = getattr(config, name), f"follows from the figures above: {figure.source}"

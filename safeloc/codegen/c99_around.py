@@ -144,22 +144,7 @@ def _gathered(field: Field) -> str:
 def snapshots(layout: Layout) -> str:
     """Return the functions that save and restore a snapshot, with a checksum over values, not over padding."""
     p, upper = layout.names.prefix, layout.names.upper
-    mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
-    return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
-static uint64_t mixed(uint64_t sum, uint64_t value)
-{{
-    for (int shift = 0; shift < 64; shift += 8) {{
-        sum = (sum ^ ((value >> shift) & 0xFFU)) * UINT64_C(1099511628211);
-    }}
-    return sum;
-}}
-
-static uint64_t checksum(const {p}_state *state)
-{{
-    uint64_t sum = mixed(UINT64_C(14695981039346656037), state->declaration);
-{mixed}    return sum;
-}}
-
+    return f"""{_checksum(layout)}
 int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
 {{
     if (state == NULL || snapshot == NULL) {{
@@ -191,6 +176,27 @@ int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
         *state = snapshot->state;
     }}
     return status;
+}}
+"""
+
+
+def _checksum(layout: Layout) -> str:
+    """Return the function that adds up the values of a state."""
+    p = layout.names.prefix
+    mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
+    return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
+static uint64_t mixed(uint64_t sum, uint64_t value)
+{{
+    for (int shift = 0; shift < 64; shift += 8) {{
+        sum = (sum ^ ((value >> shift) & 0xFFU)) * UINT64_C(1099511628211);
+    }}
+    return sum;
+}}
+
+static uint64_t checksum(const {p}_state *state)
+{{
+    uint64_t sum = mixed(UINT64_C(14695981039346656037), state->declaration);
+{mixed}    return sum;
 }}
 """
 

@@ -13,7 +13,6 @@ from safeloc.codegen.c99 import to_c
 from safeloc.codegen.c99_origin import Figure, Origin
 from safeloc.codegen.fmu import to_fmu
 from safeloc.codegen.javascript import javascript, on_board
-from safeloc.config import figures
 from safeloc.language.expr import Bool
 from safeloc.language.system import without_ghosts
 from safeloc.proof.drawn_runs.lawful import first_state
@@ -57,11 +56,10 @@ def fmi_unit(target: Target, say: Say, warn: Say) -> bytes:
 
 def _origin(target: Target) -> Origin:
     """Return what the target was made of, for the header and the README."""
-    rows = [] if target.config is None else figures(target.config)
     return Origin(
         version("safeloc"),
         target.configuration or ("" if target.config_file is None else target.config_file.name),
-        [Figure(row["name"], row["value"], row["unit"]) for row in rows],
+        [Figure(row["name"], row["value"], row["unit"]) for row in target.figures],
         configured_period_ms(target.name, target.config),
         {**meanings_of_inputs(target), **({} if target.reported is None else target.reported.meanings)},
     )
