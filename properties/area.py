@@ -35,7 +35,7 @@ for_all_inputs = partial(always, requirements=("FVA-9", "FVA-18"), unconditional
 
 def properties(area: Area) -> list[Property]:
     """Return the properties of the machine by itself; those of trains that are counted out only where axle counters count."""
-    found = list[Property]()
+    found = [*_swept(area)]
     for one in area.own.slots:
         found += [*_verdict(area, one), *_wide(area, one), *_comes(area, one), *_nothing_left(one), *_waits(area, one)]
     if area.own.followers is None:
@@ -171,6 +171,15 @@ def _waits(area: Area, one: Slot) -> Iterator[Property]:
         f"the waiting times of train {one.number} are counted",
         one.present.implies(all_of(counted)),
         statement="the cycles since the last accepted report, and since the last one of a train that is known to be whole, are counted",
+    )
+
+
+def _swept(area: Area) -> Iterator[Property]:
+    _, swept = area.machine.modes
+    yield for_all_inputs(
+        "a swept area is told",
+        area.machine.flag("swept").iff(area.machine.mode.eq(swept)),
+        statement="the area tells that no vehicle can be in it that nobody counted, exactly while that is so",
     )
 
 
