@@ -1,4 +1,4 @@
-"""How many of several conditions hold, as a term of a property."""
+"""The number of conditions that hold, as a term of a property."""
 
 from __future__ import annotations
 

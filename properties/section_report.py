@@ -54,7 +54,7 @@ class _Told:
         return any_of([*sides, ~(~one.unswept | elsewhere)]) & ~self.detected_clear
 
     def here(self, train: TrainHere) -> Bool:
-        """A part of the train may be here."""
+        """Return whether a part of the train may be here."""
         elsewhere = [train.low > self.section.end, train.high < self.section.start, self.detected_clear]
         return ~any_of([~train.present, *elsewhere])
 
@@ -72,7 +72,7 @@ class _Told:
         return ~any_of([self.uncounted, *(self.here(train) for train in self.section.trains)])
 
     def counts(self, train: TrainHere) -> Bool:
-        """The state rests on the report of this train: all trains show that a section is clear, and those in it that it is not."""
+        """Return whether the state rests on the report of this train: all trains show that a section is clear, and those in it that it is not."""
         return train.present & any_of([self.here(train), self.empty])
 
 

@@ -45,7 +45,7 @@ class Reported:
 
     @property
     def meanings(self) -> dict[str, str]:
-        """What these outputs mean to a host, by name; `valid` may be told by an output of another sense."""
+        """Return the meaning of these outputs to a host, by name; `valid` may be told by an output of another sense."""
         where = f"{self.valid} is {int(self.valid_is)}"
         return {
             self.valid: f"{int(self.valid_is)} while an interval is reported; else position and margins tell nothing",

@@ -1,4 +1,4 @@
-"""What a folder of C was exported for: version, configuration, cycle length, and what its inputs and outputs mean."""
+"""The purpose of an exported folder of C: version, configuration, cycle length, and what its inputs and outputs mean."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Origin:
-    """What the exported machine was made of, for header and README. It changes no statement of the code.
+    """The origin of an exported machine, for header and README. It changes no statement of the code.
 
     version      version of safeloc
     configuration  name of the configuration's file; "" for the defaults
@@ -60,4 +60,4 @@ def as_table(origin: Origin) -> str:
         return ""
     rows = [f"| {one.name} | {one.value} {one.unit}".rstrip() + " |" for one in origin.figures]
     table = "\n".join(["", "| figure | value |", "|---|---|", *rows, ""]) if rows else ""
-    return f"## What it was exported for\n\n{' '.join(origin.sentences)}\n{table}\n"
+    return f"## What it was exported for\n\n{' '.join(origin.sentences)}\n{table}\n\n"

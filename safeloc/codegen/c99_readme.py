@@ -34,8 +34,7 @@ make sanitize    # the same under address and undefined-behaviour sanitizers
 
 {_use(layout, chosen)}
 {_notes(layout)}
-{as_table(origin)}
-Declaration: SHA-256 {layout.digest}.
+{as_table(origin)}Declaration: SHA-256 {layout.digest}.
 Interface: SHA-256 {interface_digest(layout)} (of `{FILE}`).
 """
 

@@ -1,4 +1,4 @@
-"""What the inputs of a machine mean, from the records that set them: sign, reference point, and what absence says."""
+"""Meanings of the inputs of a machine, from the records that set them: sign, reference point, and what absence says."""
 
 from __future__ import annotations
 
