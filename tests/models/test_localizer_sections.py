@@ -170,6 +170,8 @@ NEVER_MET = {
     "the far end is inside its interval",
     "the trackside's view is never the narrower one",
     "a report counts once",
+    "the host gets its source's interval",
+    "the host is told its source's reason",
     "section_1 is never clear with this train in it",
 }
 """What six runs from nowhere do not come to: a train that is located and tells the trackside of it."""
