@@ -1,7 +1,7 @@
 """How long the page that steps through runs takes to open a run and to show a step, in Chromium.
 
-`python -m benchmarks.bench_explorer [MACHINE]` opens the longest recording of a machine (the localizer): megabytes of the page, and
-milliseconds until the run is there, for a step on and for a jump to any step, in the middle of several.
+`python -m benchmarks.bench_explorer [MACHINE [STREAM]]` opens a stream, or the longest recording, of a machine (the localizer): megabytes
+of the page, and milliseconds until the run is there, for a step on and for a jump to any step, in the middle of several.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ for (let n = 1; n <= arguments[1]; n += 1) {
 return times;"""
 
 
-def main(name: str) -> None:
+def main(name: str = "localizer", stream: str | None = None) -> None:
     """Print what was measured."""
     target = load_target(name)
-    longest = max(target.streams, key=lambda path: len(read_steps(path).steps))
+    longest = Path(stream) if stream else max(target.streams, key=lambda path: len(read_steps(path).steps))
     with tempfile.TemporaryDirectory() as place:
         page = Path(place, "page.html")
         page.write_text(recordings_page(target, [longest], made="now"), encoding="utf-8")
@@ -68,4 +68,4 @@ def _opened_ms(driver: Any, page: Path) -> float:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "localizer")
+    main(*sys.argv[1:])

@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite, maximum
 from safeloc.language.spec import Property, always, earlier_bool, reachable
-from safeloc.language.units import NM
+from safeloc.language.units import NM, UM, UM_PER_MM
+from safeloc.models.axle_head import UP
 from safeloc.models.counted_entry import CountedEntry
 from safeloc.models.verification.variables import VERIFIED
 from safeloc.properties import axle_counter, verification
@@ -38,7 +39,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: CountedEntry) -> list[Property]:
     """Return the properties of the whole device."""
-    return [*_counted(whole), *_disturbed(whole), *_kept(whole), *_reached(whole)]
+    return [*_counted(whole), *_disturbed(whole), *_heard(whole), *_kept(whole), *_reached(whole)]
 
 
 # ------------------------------------------------------------------ terms
@@ -104,6 +105,52 @@ def _disturbed(whole: CountedEntry) -> Iterator[Property]:
         (fault & ~earlier_bool(stored)).implies(~stored),
         statement="in a cycle in which the counting head is at fault no train begins to be verified",
     )
+
+
+def _heard(whole: CountedEntry) -> Iterator[Property]:
+    """Claim that a sound record is used, and as narrow as it is: a wider one would be true as well, and verify less."""
+    own, into = whole.verified.own, whole.composition.of(whole.verified.machine)
+    machine, recorded = whole.verified.machine, _recorded(whole)
+    yield for_all_inputs(
+        "an undisturbed record is handed over",
+        into.bool(own.due & own.sound).iff(recorded) & recorded.implies(into.num(own.record_age).eq(0)),
+        statement="the verification gets a sound record in exactly the cycles in which the counter has an undisturbed one, and in that cycle",
+    )
+    place, speed = (into.bool(machine.flag(f"verified_{one}_at_entry")) for one in ("place", "speed"))
+    told = into.bool(own.associated & own.seen_speed.present)
+    yield for_all_inputs(
+        "at the counter place and speed are compared",
+        (recorded & _trusted(whole)).implies(place & told.implies(speed)),
+        statement="a train that is trusted in the cycle of its record has had its place compared with the counter's, and its speed if the fibre "
+        "told one",
+    )
+    yield for_all_inputs(
+        "the record is no wider than the counter's",
+        recorded.implies(all_of(_narrow(whole))),
+        statement="the bounds of length, place and speed that are compared are those of the counter, rounded to whole millimetres, and at the "
+        "place of the front with the overhang",
+    )
+
+
+def _narrow(whole: CountedEntry) -> Iterator[Bool]:
+    """Widths alone: that the bounds contain the train's length, place and speed is owed anyway."""
+    own, into = whole.verified.own, whole.composition.of(whole.verified.machine)
+    counter, machine = whole.composition.of(whole.counter.machine), whole.counter.machine
+
+    def recorded(name: str) -> Num:
+        return counter.num(machine.output(f"record_{name}"))
+
+    def width(name: str, unit: str) -> Num:
+        return recorded(f"{name}_high_{unit}") - recorded(f"{name}_low_{unit}")
+
+    low, high = (exact_to(into.num(bound), UM) for bound in (own.record_low, own.record_high))
+    yield low > recorded("length_low_um") - 1_000
+    yield high < maximum(recorded("length_high_um"), 0) + 1_000
+    upwards = recorded("direction").eq(UP)
+    overhang_um = (whole.config.overhang_mm + 2) * UM_PER_MM
+    along = exact_to(into.num(own.record_place_high) - into.num(own.record_place_low), UM) - overhang_um
+    yield along <= width("run", "um") + ite(upwards, 0, width("length", "um"))
+    yield (into.num(own.record_speed_high) - into.num(own.record_speed_low)).eq(width("speed", "mm_s"))
 
 
 def _kept(whole: CountedEntry) -> Iterator[Property]:

@@ -213,6 +213,13 @@ def _reported(seen: _Seen) -> Iterator[Property]:
         statement="a trusted train of which as many axles are counted as at its entry is reported as whole in that cycle, if all of it is on the line",
         requirements=_CLEAR,
     )
+    believed = seen.report.num(model.report.machine.mode).one_of(*model.report.machine.modes[2:])
+    yield for_all_inputs(
+        "a believed end is reported",
+        all_of([seen.mode(2), believed, _on_the_line(seen)]).implies(reports),
+        statement="a trusted train of which one end is believed is reported, with or without a count in that cycle, if all of it is on the line",
+        requirements=_CLEAR,
+    )
     yield _runs(seen)
     slot, age = model.area.own.slots[0], seen.report.num(own.age)
     judged = seen.area.num(slot.last_verdict)
@@ -256,11 +263,22 @@ def _inside_the_line(seen: _Seen) -> Bool:
     limit = model.config.sections.area.limit_mm
     long = seen.verification.num(model.verification.own.kept_high)
     most = long + figures.count_run_mm + figures.roll_back_mm
-    front, rear = (seen.end(one, "position") for one in (model.front, model.rear))
-    behind = rear - seen.end(model.rear, "margin_below"), rear + seen.end(model.rear, "margin_above")
-    ahead = front - seen.end(model.front, "margin_below"), front + seen.end(model.front, "margin_above")
-    places = (ahead[0] - most, behind[0], behind[1] + most, ahead[1])
-    return all_of([*(between(-limit, place, limit) for place in places), behind[0] <= ahead[0], behind[1] <= ahead[1]])
+    (_, behind), (ahead, _) = _ends(seen, model.rear), _ends(seen, model.front)
+    return all_of([_on_the_line(seen), ahead - most >= -limit, behind + most <= limit])
+
+
+def _on_the_line(seen: _Seen) -> Bool:
+    """Both ends of the pattern are on the line, the front ahead of the rear."""
+    limit = seen.model.config.sections.area.limit_mm
+    behind, ahead = _ends(seen, seen.model.rear), _ends(seen, seen.model.front)
+    inside = [between(-limit, place, limit) for place in (*behind, *ahead)]
+    return all_of([*inside, behind[0] <= ahead[0], behind[1] <= ahead[1], behind[0] <= ahead[1]])
+
+
+def _ends(seen: _Seen, fibre: Fibre) -> tuple[Num, Num]:
+    """Bounds of one end, mm."""
+    place = seen.end(fibre, "position")
+    return place - seen.end(fibre, "margin_below"), place + seen.end(fibre, "margin_above")
 
 
 def _runs(seen: _Seen) -> Property:

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from functools import partial
 
 from safeloc.language.expr import Bool, all_of, between, exact_to, maximum, minimum
-from safeloc.language.spec import Property, always, reachable
+from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import NM
 from safeloc.models.fibre_handover import FibreHandover, interval
 from safeloc.models.verification import Verification
+from safeloc.models.verification.variables import NEIGHBOUR
 from safeloc.properties.verification import LAW
 
 BORDER = ("FVA-D1",)
@@ -30,6 +31,8 @@ def properties(model: FibreHandover) -> list[Property]:
         *_shared(model),
         *_other_trains(model),
         *_sent(model),
+        *_on_the_way(model),
+        *_reports(model),
         *_reached(model),
     ]
 
@@ -195,6 +198,63 @@ def _sent(model: FibreHandover) -> Iterator[Property]:
         sent.implies(may_be_here) & (may_be_here & ~gone).implies(on_the_way.ne(before)),
         statement="a record is first sent, or arrives, only while the giving area trusts the train and its front may have "
         "come to the shared stretch; and from then on it is sent",
+    )
+
+
+def _on_the_way(model: FibreHandover) -> Iterator[Property]:
+    """Claim what the border hears of the giving area, and the taking one of the border."""
+    of, giving, own = model.composition.of, model.giving, model.taking.own
+    there, here, border = of(giving.machine), of(model.taking.machine), model.border.machine
+    way, (_, offered, _, lost) = of(border).num(border.mode), border.modes
+    distrusted = there.bool(giving.machine.flag("untrusted")) & ~of(border).bool(model.border.own.gone)
+    yield for_all_inputs(
+        "distrust on the way loses the handover",
+        (earlier_bool(way.eq(offered)) & distrusted).implies(way.eq(lost)),
+        statement="a mismatch that the giving area finds while the record is on its way loses the handover in the same cycle",
+    )
+    arrives = of(border).bool(border.fired("record arrives"))
+    kept = (giving.own.kept_count, giving.own.kept_low, giving.own.kept_high)
+    record = zip((own.record_count, own.record_low, own.record_high), kept, strict=True)
+    same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in record)
+    yield for_all_inputs(
+        "the record that arrives is the giving area's",
+        here.bool(own.due & own.sound).iff(arrives) & arrives.implies(same & here.num(own.source).eq(NEIGHBOUR)),
+        statement="the taking area gets a sound record in exactly the cycle in which it arrives, with the axles and the length against which the "
+        "giving area verified, as one of its neighbour",
+    )
+
+
+def _reports(model: FibreHandover) -> Iterator[Property]:
+    """Claim that each area that may report is heard, with the interval that it has."""
+    of, voice, border = model.composition.of, model.speaker, model.border.own
+    begins, ends = (of(model.border.machine).num(one) for one in (border.begins, border.ends))
+    (low, high), (taking_low, taking_high) = (
+        [of(one.machine).num(bound) for bound in interval(one)] for one in (model.giving, model.taking)
+    )
+    giving = _trusted(model, model.giving) & (high <= ends)
+    taking = _trusted(model, model.taking) & (taking_low >= begins)
+    apart = all_of([giving, taking, maximum(low, taking_low) > minimum(high, taking_high)])
+    reported = of(voice.machine).bool(voice.machine.flag("given"))
+    yield for_all_inputs(
+        "each area that may report is heard",
+        reported.iff((giving | taking) & ~apart),
+        statement="a position is reported whenever an area trusts the train within its own stretch of line, unless both do and exclude each other",
+        requirements=CLAIM,
+    )
+    mine, mine_high = of(voice.machine).num(voice.low), of(voice.machine).num(voice.high)
+    inside = all_of(
+        [
+            (reported & giving).implies((mine >= low) & (mine_high <= high)),
+            (reported & taking).implies((mine >= taking_low) & (mine_high <= taking_high)),
+            reported.implies((mine.eq(low) & giving) | (mine.eq(taking_low) & taking)),
+            reported.implies((mine_high.eq(high) & giving) | (mine_high.eq(taking_high) & taking)),
+        ]
+    )
+    yield for_all_inputs(
+        "what is reported is what the areas have in common",
+        inside,
+        statement="the reported interval lies within that of each area that may report, and each of its ends is one of theirs",
+        requirements=CLAIM,
     )
 
 

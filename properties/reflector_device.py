@@ -145,15 +145,17 @@ def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
         whole.composition.of(whole.groups.machine).num(one) for one in _interval(whole.groups.machine)
     )
     exact = all_of([_in_source(whole, given.accuracy.present), _in_source(whole, given.since.present)])
+    group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.group)
     yield for_all_inputs(
         "an accepted group is handed over",
         _accepted(whole).implies(
             all_of([
                 handed, exact, place.eq(position), (accuracy >= below) & (accuracy >= above),
                 accuracy.eq(below) | accuracy.eq(above), _in_source_num(whole, given.since.value).eq(0),
+                _in_source_num(whole, given.identity.value).eq(group),
             ])
         ),
-        statement="every group that the balise machine accepts is a reading of the reflector machine in the same cycle, with the "
+        statement="every group that the balise machine accepts is a reading of the reflector machine in the same cycle, with its identity, the "
         "balise machine's position and the greater of its margins, at the end of the cycle",
         requirements=("RFL-5",),
     )  # fmt: skip

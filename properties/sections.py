@@ -14,7 +14,7 @@ from safeloc.models.area import um
 from safeloc.models.area.judgement import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
 from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
-from safeloc.properties import followers
+from safeloc.properties import area, followers, section_report
 
 LAW = (
     "undisturbed counters count every vehicle; trusted reports contain the train, its rear end only if it is "
@@ -35,6 +35,15 @@ def properties(model: Sections) -> list[Property]:
     if model.area.own.followers is None:
         return found
     return [replace(prop, assumption=_DETECTED) if prop.assumption == LAW else prop for prop in found]
+
+
+def of_each_machine(model: Sections) -> Iterator[Property]:
+    """Yield what holds of the area by itself, and of each section by itself."""
+    for claim in area.properties(model.area):
+        yield model.composition.inherited(model.area.machine, claim)
+    for one in model.sections:
+        for claim in section_report.properties(one):
+            yield model.composition.inherited(one.machine, claim)
 
 
 def _all(model: Sections) -> list[Property]:

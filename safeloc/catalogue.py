@@ -196,11 +196,43 @@ def _frozen(content: object) -> object:
 
 
 def _fields(error: ValidationError, kind: type[BaseModel] | None = None) -> list[str]:
-    """Describe each wrong field: its name, the error, the value, and for an unknown one the nearest field of `kind`."""
+    """Describe each wrong field: its name, the error, the value, and for an unknown one the nearest field of `kind`.
+
+    A figure that contradicts another one has no name before it: the sentence names both.
+    """
     return [
-        f"{'.'.join(map(str, e['loc'])) or 'whole file'}: {e['msg']}{_given(e)}{_now(e) or _nearest(e, kind)}"
+        ": ".join(
+            filter(None, [".".join(map(str, e["loc"])), f"{_in_words(e)}{_given(e)}{_now(e) or _nearest(e, kind)}"])
+        )
         for e in error.errors()
     ]
+
+
+def _in_words(error: Mapping[str, Any]) -> str:
+    """Return what is wrong with a field of a configuration; `error` is one of pydantic's `ValidationError.errors()`."""
+    kind, bound = error["type"], error.get("ctx", {})
+    if kind == "missing" and len(error["loc"]) > 1:
+        return "has to be given, since a table of the file replaces the default table as a whole"
+    if kind in _WORDS:
+        return _WORDS[kind].format(**bound)
+    return str(error["msg"]).removeprefix("Value error, ")
+
+
+_WORDS: Mapping[str, str] = {
+    **dict.fromkeys(("int_type", "int_from_float", "int_parsing"), "has to be a whole number"),
+    "bool_type": "has to be true or false",
+    "string_type": "has to be text",
+    "extra_forbidden": "there is no such figure",
+    "greater_than": "has to be above {gt}",
+    "greater_than_equal": "has to be at least {ge}",
+    "less_than": "has to be below {lt}",
+    "less_than_equal": "has to be at most {le}",
+    "literal_error": "has to be {expected}",
+    "missing": "has to be given",
+    "model_type": "has to be a table of figures",
+    "model_attributes_type": "has to be a table of figures",
+}
+"""The words for pydantic's kinds of errors, with the names of their bounds."""
 
 
 def _nearest(error: Mapping[str, Any], kind: type[BaseModel] | None) -> str:

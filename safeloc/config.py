@@ -59,17 +59,26 @@ def derived_figures(config: BaseModel) -> Iterator[tuple[str, Derived]]:
         yield from ((name, value) for name, value in vars(kind).items() if isinstance(value, Derived))
 
 
-def figures(config: BaseModel, prefix: str = "") -> Iterator[dict[str, str]]:
-    """Yield name, value, unit and source of every figure of a configuration: its fields, then its derived figures."""
+def figures(config: BaseModel, prefix: str = "", usual: BaseModel | None = None) -> Iterator[dict[str, str]]:
+    """Yield name, value, unit and source of every figure of a configuration: its fields, then its derived figures.
+
+    usual  the configuration by default, of a part for which the whole has other defaults than the part's class
+    """
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
+        usually = field.get_default(call_default_factory=True, validated_data={})
+        default = usually if usual is None else getattr(usual, name)
         if isinstance(value, BaseModel):
-            yield from figures(value, f"{prefix}{name}.")
+            yield from figures(value, f"{prefix}{name}.", default if isinstance(default, type(value)) else None)
             continue
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         source = str(extra.get("source", field.description or ""))
-        if not field.is_required() and value != field.default:
-            source = f"set here; the default is {field.default} {source}"
+        if field.is_required() and usual is None:
+            pass
+        elif value != default:
+            source = f"set here; the default is {default} {source}"
+        elif not field.is_required() and value != usually:
+            source = f"the default here, elsewhere {usually} {source}"
         yield {"name": prefix + name, "value": str(value), "unit": str(extra.get("unit", "")), "source": source}
     for name, figure in derived_figures(config):
         value, source = getattr(config, name), f"follows from the figures above: {figure.source}"

@@ -45,9 +45,12 @@ def own_target(
     where, _, name = spec.rpartition(":")
     module = load_module(where)
     if not hasattr(module, name):
-        names = [key for key, value in vars(module).items() if isinstance(value, (Machine, Composition))]
-        raise InputError(f"{where} has no {name!r}; machines in it: {names or 'none'}.")
+        raise InputError(f"{where} has no {name!r}{_made(module)}")
     found = getattr(module, name)
+    if isinstance(found, type):
+        raise InputError(
+            f"{spec} is a class; name a machine, a composition, or a function that returns one{_made(module)}"
+        )
     if callable(found):
         with as_input_error(spec):
             found = found(given) if given is not None else found()
@@ -61,6 +64,12 @@ def own_target(
     if isinstance(found, Machine):
         return replace(_target(module, found, lower(found), found.doc), given=given, streams=streams)
     return replace(_target(module, found, found.system, ""), given=given, streams=streams)
+
+
+def _made(module: ModuleType) -> str:
+    """Return the end of a message: the names of the machines and compositions of a module."""
+    names = [key for key, value in vars(module).items() if isinstance(value, (Machine, Composition))]
+    return f"; machines in it: {names or 'none'}."
 
 
 def _target(module: ModuleType, found: Machine | Composition, system: TransitionSystem, doc: str) -> Target:

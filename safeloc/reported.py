@@ -43,6 +43,17 @@ class Reported:
         """The names of these outputs."""
         return (self.position, self.below, self.above, self.valid)
 
+    @property
+    def meanings(self) -> dict[str, str]:
+        """Return the meaning of these outputs to a host, by name; `valid` may be told by an output of another sense."""
+        where = f"{self.valid} is {int(self.valid_is)}"
+        return {
+            self.valid: f"{int(self.valid_is)} while an interval is reported; else position and margins tell nothing",
+            self.position: f"estimate of the place of end A on the line, while {where}",
+            self.below: f"the true place is at most this far below {self.position}, while {where}",
+            self.above: f"the true place is at most this far above {self.position}, while {where}",
+        }
+
     def interval_mm(self, outputs: Mapping[str, Value]) -> tuple[int, int] | None:
         """Return lower and upper end in mm; None while no interval is reported."""
         if bool(outputs[self.valid]) is not self.valid_is:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 from pydantic import BaseModel
 
-from safeloc.config import Configurations
+from safeloc.config import Configurations, figures
 from safeloc.errors import InputError
 from safeloc.language.machine import Machine
 from safeloc.language.renamed import hint
@@ -90,6 +90,11 @@ class Target:
     members: Mapping[str, tuple[Property, ...]] = field(default_factory=dict)
     sections: Mapping[str, str] = field(default_factory=dict)
     hazard: Hazard | None = None
+
+    @property
+    def figures(self) -> list[dict[str, str]]:
+        """Name, value, unit and source of every figure of the configuration; none for a target without one."""
+        return [] if self.config is None else list(figures(self.config))
 
 
 class Family(Enum):

@@ -69,7 +69,7 @@ def loaded(name: str) -> Loaded:
     if not target.system.parts:
         return Loaded(name, target, places, tuple(one.id for one in mutants(declared_of(target), places)))
     whole = composed(target, places)
-    every = [*member_mutants(whole, places), *(edit.mutant for edit in wire_edits(whole))]
+    every = [*member_mutants(whole, places), *(edit.mutant for edit in wire_edits(whole, places))]
     return Loaded(name, target, places, tuple(one.id for one in every))
 
 

@@ -150,7 +150,7 @@ def test_an_array_of_a_configuration_file(kind: str, tmp_path: Path) -> None:
         ({"tolerance_m": 30}, ["tolerance_m: "]),
         ({"tolerance_mm": "wide", "devices": 3}, ["tolerance_mm: ", "devices: "]),
         ({"first_unit": {"kind": "steam"}}, ["first_unit."]),
-        ({"lone_limit_cycles": 1}, ["whole file: "]),
+        ({"lone_limit_cycles": 1}, ["lone_limit_cycles must not be below gap_limit_cycles"]),
     ],
 )
 def test_wrong_fields_are_named(content: dict[str, object], wrong: list[str], tmp_path: Path) -> None:
@@ -162,6 +162,26 @@ def test_wrong_fields_are_named(content: dict[str, object], wrong: list[str], tm
     lines = str(error.value).splitlines()
     assert str(path) in lines[0]
     assert all(any(line.startswith(f"  - {name}") for line in lines[1:]) for name in wrong), lines
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("vehicle_lenght_mm = 75400", "vehicle_lenght_mm: there is no such figure (got 75400). Did you mean 'vehicle_length_mm'?"),
+        ('vehicle_length_mm = "75 m"', "vehicle_length_mm: has to be a whole number (got '75 m')"),
+        ("tolerance_mm = 20000.5", "tolerance_mm: has to be a whole number (got 20000.5)"),
+        ("devices = 3", "devices: has to be 1 or 2 (got 3)"),
+        ("trust_first_marker = 1", "trust_first_marker: has to be true or false (got 1)"),
+        ("first_unit = 3", "first_unit: has to be a table of figures (got 3)"),
+        ("[first_unit]\nrate_ppm = 3", "first_unit.kind: has to be given, since a table of the file replaces the default table as a whole"),
+        ("tolerance_mm = 4000", "tolerance_mm 4000 is not above the units' one-off constant 5000 mm: no distance can be run within it"),
+        ("max_speed_mm_s = 0", "max_speed_mm_s: has to be at least 1 (got 0)"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_told_in_plain_words(content: str, told: str, tmp_path: Path) -> None:
+    """Each line begins with the figure, or with the sentence that names the figures that contradict each other."""
+    (tmp_path / "vehicle.toml").write_text(content, encoding="utf-8")
+    assert f"\n  - {told}" in refused("odometry", tmp_path / "vehicle.toml")
 
 
 @pytest.mark.parametrize(
@@ -194,17 +214,17 @@ def test_a_deeply_nested_configuration(name: str, left: str, tmp_path: Path) -> 
 
 WHEEL = 'kind = "wheel"\n'
 FIGURES = [
-    ("turn_off", "miss_limit_cycles = 0", "miss_limit_cycles: Input should be greater than or equal to 1 (got 0)"),
-    ("reflector", "pause_limit_cycles = 0", "pause_limit_cycles: Input should be greater than or equal to 1"),
-    ("reflector", "loss_limit_cycles = 0", "loss_limit_cycles: Input should be greater than or equal to 1"),
-    ("reflector", "near_range_mm = 0", "near_range_mm: Input should be greater than or equal to 1"),
+    ("turn_off", "miss_limit_cycles = 0", "miss_limit_cycles: has to be at least 1 (got 0)"),
+    ("reflector", "pause_limit_cycles = 0", "pause_limit_cycles: has to be at least 1"),
+    ("reflector", "loss_limit_cycles = 0", "loss_limit_cycles: has to be at least 1"),
+    ("reflector", "near_range_mm = 0", "near_range_mm: has to be at least 1"),
     ("reflector", "range_limit_mm = 1001", "range_limit_mm 1001 is not above near_range_mm 3000: no echo can be used."),
     ("reflector", f"[odometer]\n{WHEEL}rate_ppm = 1000000", "odometer.rate_ppm must not exceed 900000"),
     ("balise", "telegram_age_limit_ms = 1", "telegram_age_limit_ms 1 must be above a tenth of period_ms 100"),
     (
         "reflector",
         "radar_scale_ppm = 500000\nrange_limit_mm = 2000000\nreference_distance_mm = 299999",
-        "these figures contradict each other in machine 'reflector' (radar_error_mm: Input should be less than or equal to "
+        "these figures contradict each other in machine 'reflector' (radar_error_mm: has to be at most "
         "300000 (got 1022431)). Correct one of: range_limit_mm = 2000000, radar_scale_ppm = 500000, reference_distance_mm = ",
     ),
 ]
@@ -313,6 +333,7 @@ def test_properties_as_a_function_of_the_machine(place: Path) -> None:
     ("more", "name", "message"),
     [
         ("", "lamps", "has no 'lamps'; machines in it: ['machine', 'pair']"),
+        ("", "Machine", "is a class; name a machine, a composition, or a function that returns one; machines in it: ["),
         ("", "number_of_lamps", "is of type int; expected a Machine, a Composition or a function returning one"),
         ("", "nothing", "is of type NoneType; expected a Machine"),
         (WRONG_PROPERTIES, "machine", "properties holds 'light' of type str at place 0 ("),

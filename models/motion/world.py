@@ -39,7 +39,9 @@ from safeloc.models.vocabulary.odometer import Odometer
 
 LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
 ODOMETER_LAWFUL, CHECK_LAWFUL = LAWFUL
-FIGURES = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s", "max_acceleration_mm_s2")
+_FIELDS = ("odometer", "check")
+"""Fields of the configuration with the figures of both units, in their order."""
+_OF_A_UNIT = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,15 +209,15 @@ def _vehicle_laws(own: Surroundings) -> dict[str, Law]:
 
 def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
     laws = {
-        f"the {name}, if it is the lawful unit, obeys its error law": _keeps(own, seen, unit, lawful, name)
-        for name, unit, lawful in zip(("odometer", "check unit"), own.units, LAWFUL, strict=True)
+        f"the {name}, if it is the lawful unit, obeys its error law": _keeps(own, seen, unit, lawful, name, field)
+        for name, unit, lawful, field in zip(("odometer", "check unit"), own.units, LAWFUL, _FIELDS, strict=True)
     }
     if own.creep_mm_s is None:
         return laws
     return {**laws, "a vehicle that measures nothing stands": _standing(own, seen, own.creep_mm_s)}
 
 
-def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str) -> Law:
+def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str, field: str) -> Law:
     error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
@@ -224,7 +226,7 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
         f"One unit keeps its law for good, nobody knows which. Where it is the {name}: what it measures in a cycle is wrong by "
         "no more than rate and floor of the MEASURED distance allow, and by the change of a one-off part within half its "
         "constant; or no vehicle can have run it.",
-        FIGURES,
+        (*(f"{field}.{figure}" for figure in _OF_A_UNIT), "max_speed_mm_s", "max_acceleration_mm_s2"),
         "[S] SUBSET-041: 5 m + 5 % of every measured distance, speed accuracy",
         "supplier",
         "the other unit; no common cause (adhesion on two wheels, snow on two radars) may break both",
@@ -243,7 +245,7 @@ def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
         "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or creeps no faster "
         "than configured, even if the odometer is the unit that may fail: a vehicle that creeps faster with a locked wheel, and "
         "slower than the floor (2 km/h for a radar), breaks this law, and no error is added for what it creeps beyond.",
-        ("floor_mm_s", "creep_mm_s"),
+        ("check.floor_mm_s", "creep_mm_s"),
         "[M] a wheel that stands while the vehicle creeps for long is noticed by brake and wheel slide protection",
         "supplier",
         "wheel slide protection; cold movement detection while parked",

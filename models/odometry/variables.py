@@ -26,13 +26,26 @@ class OdometryConfig(Config):
     first_unit: ErrorLaw = WHEEL
     second_unit: ErrorLaw = RADAR
     period_ms: int = quantity(100, "ms", 10, 1_000, "[S] SUBSET-041: application cycle up to 100 ms")
-    tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
+    tolerance_mm: int = quantity(
+        30_000,
+        "mm",
+        1,
+        500_000,
+        "[S] OCORA 7239: 30 m on main line; bounds each margin, so an interval is up to twice as wide",
+    )
     vehicle_length_mm: int = quantity(204_700, "mm", 0, 2_000_000, "[S] V90 + 10 Facs 124")
     vehicle_length_tolerance_mm: int = quantity(300, "mm", 0, 50_000, "[S] OCORA: up to + 0.30 m")
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
     max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
     measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
-    gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
+    gap_limit_cycles: int = quantity(
+        5,
+        "cycles",
+        0,
+        1_000,
+        "[D] 0.5 s without any distance; each such cycle adds the farthest run to both margins, so tolerance_mm may withdraw the "
+        "position earlier",
+    )
     lone_limit_cycles: int = quantity(100, "cycles", 0, 1_000_000, "[M] 10 s without the cross-check")
     age_limit_ms: int = quantity(
         86_400_000, "ms", 1_000, 259_200_000, "[D] one day, below 72 h of cold movement detection"

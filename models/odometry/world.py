@@ -104,6 +104,11 @@ def _unset(own: Parts, index: int, unset: Num) -> Num:
     return ite(set_now, as_num(period, unset.unit), minimum(unset + period, own.config.age_limit_ms + period))
 
 
+_FIELDS = ("first_unit", "second_unit")
+"""Fields of the configuration with the figures of a device's units, in their order."""
+_OF_A_UNIT = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "drift_mm_s2")
+
+
 def _unit_law(own: Parts, index: int) -> Law:
     unit, seen, delivers = own.units[index], own.ghosts.units[index], measuring(own, index)
     error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
@@ -115,11 +120,7 @@ def _unit_law(own: Parts, index: int) -> Law:
         "highest speed, or changed faster than the greatest acceleration allows). The rate is that of the MEASURED distance: "
         "a wheel that locks and measures nothing breaks this law once its constant is used up.",
         (
-            "constant_mm",
-            "rate_ppm",
-            "floor_mm_s",
-            "knee_mm_s",
-            "drift_mm_s2",
+            *(f"{_FIELDS[index % len(_FIELDS)]}.{name}" for name in _OF_A_UNIT),
             "max_speed_mm_s",
             "max_acceleration_mm_s2",
         ),

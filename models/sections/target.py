@@ -17,7 +17,7 @@ def target(config: SectionsConfig) -> Target:
     """Make the composition of the area and its sections."""
     model = sections.compose_machines(config)
     machines = (model.area.machine, *(one.machine for one in model.sections))
-    properties, system = tuple(claims.properties(model)), model.composition.system
+    properties, system = (*claims.properties(model), *claims.of_each_machine(model)), model.composition.system
     return Target("sections", machines, system, properties, config, DOC, _recordings(config))
 
 

@@ -49,7 +49,8 @@ def _is_reported(model: ReflectorMachine, slot: Slot) -> Bool:
     """Return whether the reported range, error and lateral place are those of this slot."""
     machine = model.machine
     return (
-        machine.output("range_mm").eq(slot.range.value)
+        slot.range.present
+        & machine.output("range_mm").eq(slot.range.value)
         & machine.output("range_error_mm").eq(slot.error)
         & machine.output("lateral_mm").eq(slot.lateral)
     )

@@ -6,21 +6,20 @@ from collections.abc import Iterable
 
 from safeloc.catalogue import Target
 from safeloc.cli.console import out, print_line
-from safeloc.language.absent_readings import read_while_absent
 from safeloc.language.system import canonical
+from safeloc.proof.provers.absent_in_claims import read_while_absent
 
 
 def print_absent_readings(targets: Iterable[Target]) -> None:
-    """Print a note for each claim of a machine of one's own that reads an input also while it is absent.
+    """Print a note for each claim of a machine of one's own that depends on an input also while it is absent.
 
-    Claims of machines that ship are left out: there conditions on the state imply that the input is present.
+    Machines that ship have no such claim (tests/models/test_claims_on_absent_inputs.py).
     """
     for target in (one for one in targets if ":" in one.spec):
-        for claim in target.properties:
-            for option in read_while_absent(target.system, claim):
-                out.print("")
-                print_line(
-                    f"note: the claim {claim.name!r} ({claim.src}) reads {option.value.name} also while it is absent; it is "
-                    f"then {canonical(option.value)}. Unless another condition implies that it is present, write "
-                    f"{option.value.name}.present.implies(...), or {option.value.name}.present & ..."
-                )
+        for claim, option in read_while_absent(target.system, target.properties):
+            out.print("")
+            print_line(
+                f"note: the claim {claim.name!r} ({claim.src}) depends on {option.value.name} also while it is absent; it is "
+                f"then {canonical(option.value)}, which nobody measured. Write {option.value.name}.present.implies(...), or "
+                f"{option.value.name}.present & ..."
+            )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
@@ -22,14 +23,19 @@ def docs(
     name: Annotated[
         str | None, typer.Argument(help="page, example or picture; without it, all pages and examples are listed")
     ] = None,
+    printed: Annotated[bool, typer.Option("--print", help="print the text of the page, not its path")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only")] = False,
 ) -> None:
-    """List the documentation that is installed with safeloc, or print the path of one page."""
+    """List the documentation that is installed with safeloc, or print the path of one page, or its text."""
+    if printed and (name is None or as_json):
+        raise typer.BadParameter("--print is for the text of one page: give its name, without --json.")
     known = pages(folder())
     if name is not None:
         path = _find_page(known, name)
         if as_json:
             print_json({"name": name, "path": str(path)})
+        elif printed:
+            sys.stdout.write(path.read_text(encoding="utf-8"))
         else:
             out.print(str(path), markup=False)
         return
@@ -65,7 +71,8 @@ def _find_page(known: Mapping[str, Path], name: str) -> Path:
     """Return the file with this name, which may also be written as in a link (docs/language.md). InputError if there is none."""
     asked = name.partition("#")[0].removeprefix("docs/").removesuffix("/").removesuffix(".md").removesuffix("/README")
     if asked not in known:
-        raise InputError(f"there is no page {name!r}; `safeloc docs` lists all.{hint(asked, list(known))}")
+        begin = " Begin with the tutorial." if asked in ("README", ".", "..") else hint(asked, list(known))
+        raise InputError(f"there is no page {name!r}; `safeloc docs` lists all.{begin}")
     return known[asked]
 
 

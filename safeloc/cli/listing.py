@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from textwrap import shorten
 from typing import Annotated, Any
 
@@ -51,6 +52,9 @@ def list_(
     text: Annotated[
         str | None, typer.Option("--text", help="only properties with this text in name or statement")
     ] = None,
+    config: Annotated[
+        Path | None, typer.Option("--config", help="of `list config MACHINE`: the figures as this file sets them")
+    ] = None,
     cache: CacheOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON only")] = False,
 ) -> None:
@@ -66,7 +70,7 @@ def list_(
     kinds: Mapping[str, Callable[[], _Listed]] = {
         "machines": _machines,
         "properties": lambda: _properties(chosen),
-        "config": lambda: _config(asked),
+        "config": lambda: _config(asked, config),
         "recordings": lambda: _recordings(asked),
         "assumptions": lambda: _assumptions(asked),
         "shared": lambda: _shared(asked),
@@ -76,6 +80,8 @@ def list_(
     }
     if what not in kinds:
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
+    if config is not None and (what != "config" or len(set(asked)) != 1):
+        raise typer.BadParameter("--config sets the figures of one machine: safeloc list config MACHINE --config FILE.")
     if chosen.by_text and what != "properties":
         raise typer.BadParameter(f"--id and --text filter properties, not {what}.")
     if asked and what not in ("properties", "config", "recordings", "assumptions", "shared", "splits"):
@@ -112,12 +118,17 @@ def _targets(machines: Sequence[str]) -> list[Target]:
     return list(map(load_target, dict.fromkeys(machines or ENTRIES)))
 
 
-def _config(machines: Sequence[str]) -> _Listed:
-    """Return the figures of each machine's configuration at their defaults, as a configuration file names them, and those of other kinds."""
-    configured = [(target.name, target.config) for target in _targets(machines)]
+def _config(machines: Sequence[str], file: Path | None) -> _Listed:
+    """Return the figures of each machine's configuration as a configuration file names them, and those of other kinds.
+
+    file  configuration of the one machine; without it the figures are the defaults
+    """
+    targets = _targets(machines) if file is None else [load_target(machines[0], file)]
+    configured = [(target.name, target.config) for target in targets]
+    others = {} if file is not None else _of_other_kinds(machines)
     rows = [
         {"machine": name, **figure}
-        for name, config in [*configured, *_of_other_kinds(machines).items()]
+        for name, config in [*configured, *others.items()]
         if config is not None
         for figure in figures(config)
     ]

@@ -13,7 +13,7 @@ from safeloc.catalogue import Target, load_target
 from safeloc.cli.console import err, out, print_json, print_line
 from safeloc.cli.options import ConfigOption, JsonOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, code, findings_table, summed_up
-from safeloc.errors import InputError
+from safeloc.errors import InputError, StreamError
 from safeloc.explain.explanation import part_line
 from safeloc.explain.failing_parts import failing_parts
 from safeloc.language.verdict import Violated
@@ -27,7 +27,7 @@ from safeloc.report.made_by import made_by
 from safeloc.report.run_files import format_of
 from safeloc.report.run_files.columns import RunColumns, run_columns
 from safeloc.runtime.embedding.cycle_length import configured_period_ms
-from safeloc.target import find_recording
+from safeloc.target import find_recording, recording_name
 
 _MOST_PARTS = 20
 _FIRST_AND_LAST = 5
@@ -84,7 +84,15 @@ def replay(
     if folder is not None:
         usable(folder)
     write = None if written is None else format_of(written)
-    rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
+    try:
+        rows, findings = replay_stream(loaded, stream, period_ms=period, run=run)
+    except StreamError as error:
+        if loaded.other_figures and stream in loaded.streams:
+            raise InputError(
+                f"{error} The recording {recording_name(stream)} was made with other figures than those of {config}, which "
+                "cannot take it; replay a recording of your own vehicle, or leave out --config."
+            ) from error
+        raise
     if written is not None and write is not None:
         try:
             write(written, _columns(loaded, findings, period))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, assert_never
+from typing import assert_never
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -15,6 +16,7 @@ from safeloc.proof.results import Finding
 from safeloc.proof.verification.unasked import QUICK
 from safeloc.report.data import report_data
 from safeloc.report.headline import KindAndVerdict, counted, headline
+from safeloc.target import Target
 
 EXIT_CODES: Mapping[str, int] = {"proved": 0, "held": 0, "violated": 1, "unknown": 3, "vacuous": 3, "not asked": 3}
 _SHOWN_STEPS = 30
@@ -88,12 +90,15 @@ class Progressing:
             err.print(line, markup=False)
 
 
-def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
-    """Print every verdict, the evidence of every bad result, and the headline."""
+def findings_table(findings: Sequence[Finding], targets: Iterable[Target] = (), *, sum_up: bool = True) -> None:
+    """Print every verdict, the evidence of every bad result, and the headline; of these targets, also how to have a run explained."""
+    made = {target.name: target for target in targets}
     for finding in findings:
         _finding(finding)
     for finding in findings:
         _evidence(finding)
+        if isinstance(finding.result, Violated) and finding.kind == "property" and finding.machine in made:
+            out.print(f"Why: {_explaining(made[finding.machine], finding)}", markup=False, soft_wrap=True)
         for what, text in finding.notes.items():
             out.print("")
             print_line(f"{what}: {text}")
@@ -101,6 +106,12 @@ def findings_table(findings: Sequence[Finding], *, sum_up: bool = True) -> None:
         out.print(f"\nWhat to try: safeloc docs {page}", markup=False)
     if sum_up:
         out.print(summed_up(findings), markup=False)
+
+
+def _explaining(target: Target, finding: Finding) -> str:
+    """Return the command that explains a finding of a property."""
+    configured = [] if target.config_file is None else ["--config", str(target.config_file)]
+    return shlex.join(["safeloc", "explain", target.spec or target.name, finding.id.split("/", 2)[2], *configured])
 
 
 def _pages_to_read(findings: Sequence[Finding]) -> list[str]:
@@ -114,11 +125,11 @@ def _pages_to_read(findings: Sequence[Finding]) -> list[str]:
     return ["howto/undecided"] * undecided + ["howto/empty_assumption"] * empty
 
 
-def print_summary(findings: Sequence[Finding]) -> None:
+def print_summary(findings: Sequence[Finding], targets: Iterable[Target] = ()) -> None:
     """Print the results that are neither proved nor held, and the headline; what a quick run left open is only counted."""
     wrong = [one for one in findings if word(one.result) not in ("proved", "held") and one.method != QUICK]
     if wrong:
-        findings_table(wrong, sum_up=False)
+        findings_table(wrong, targets, sum_up=False)
     out.print(summed_up(findings), markup=False)
 
 
@@ -186,10 +197,10 @@ def _evidence(finding: Finding) -> None:
             assert_never(finding.result)
 
 
-def result(findings: Sequence[Finding], targets: Iterable[Any], *, as_json: bool) -> int:
+def result(findings: Sequence[Finding], targets: Iterable[Target], *, as_json: bool) -> int:
     """Print findings and return the exit code."""
     if as_json:
         print_json(report_data(findings, targets))
     else:
-        findings_table(findings)
+        findings_table(findings, targets)
     return code(findings)

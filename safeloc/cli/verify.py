@@ -123,7 +123,7 @@ def verify(
         print_json(report_data(findings, loaded, evidence_of, strengths, made, margins))
         raise typer.Exit(code(findings))
     print_absent_readings(loaded)
-    print_summary(findings)
+    print_summary(findings, loaded)
     print_cached(findings, quiet=False)
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)

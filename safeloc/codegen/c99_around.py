@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.codegen.c99_header import statuses
 from safeloc.codegen.c99_layout import Field, Layout, literal
 from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_statuses import statuses
 from safeloc.codegen.c99_terms import constant
 
 
@@ -22,7 +22,10 @@ def stepping(layout: Layout) -> str:
     if (state == NULL || inputs == NULL || outputs == NULL) {{
         return {upper}_NO_POINTER;
     }}
-    const int32_t status = judged(inputs);
+    int32_t status = sound(state);
+    if (status == {upper}_OK) {{
+        status = judged(inputs);
+    }}
     if (status != {upper}_OK) {{
         return status;
     }}
@@ -35,6 +38,10 @@ int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 {{
     if (state == NULL || outputs == NULL) {{
         return {upper}_NO_POINTER;
+    }}
+    const int32_t status = sound(state);
+    if (status != {upper}_OK) {{
+        return status;
     }}
     show(state, outputs);
 {idle}    return {upper}_OK;
@@ -102,9 +109,13 @@ def _loop(layout: Layout, name: str, given: str, results: str, source: _Source) 
 {{
 {missing}        return {upper}_NO_POINTER;
     }}
+    int32_t status = sound(state);
+    if (status != {upper}_OK) {{
+        *done = 0;
+        return status;
+    }}
 {source.begin.format(p=p)}    {p}_state now = *state;
     {p}_outputs outputs = {{0}};
-    int32_t status = {upper}_OK;
     size_t number = 0;
     if (told == NULL) {{
         for (; number < count; number++) {{
@@ -133,26 +144,15 @@ def _gathered(field: Field) -> str:
 def snapshots(layout: Layout) -> str:
     """Return the functions that save and restore a snapshot, with a checksum over values, not over padding."""
     p, upper = layout.names.prefix, layout.names.upper
-    mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
-    return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
-static uint64_t mixed(uint64_t sum, uint64_t value)
-{{
-    for (int shift = 0; shift < 64; shift += 8) {{
-        sum = (sum ^ ((value >> shift) & 0xFFU)) * UINT64_C(1099511628211);
-    }}
-    return sum;
-}}
-
-static uint64_t checksum(const {p}_state *state)
-{{
-    uint64_t sum = mixed(UINT64_C(14695981039346656037), {upper}_DECLARATION);
-{mixed}    return sum;
-}}
-
+    return f"""{_checksum(layout)}
 int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
 {{
     if (state == NULL || snapshot == NULL) {{
         return {upper}_NO_POINTER;
+    }}
+    const int32_t status = sound(state);
+    if (status != {upper}_OK) {{
+        return status;
     }}
     snapshot->declaration = {upper}_DECLARATION;
     snapshot->checksum = checksum(state);
@@ -176,6 +176,27 @@ int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
         *state = snapshot->state;
     }}
     return status;
+}}
+"""
+
+
+def _checksum(layout: Layout) -> str:
+    """Return the function that adds up the values of a state."""
+    p = layout.names.prefix
+    mixed = "".join(f"    sum = mixed(sum, (uint64_t)state->{field.name});\n" for field in layout.state)
+    return f"""/* FNV-1a over the bytes of a number, the least significant one first. */
+static uint64_t mixed(uint64_t sum, uint64_t value)
+{{
+    for (int shift = 0; shift < 64; shift += 8) {{
+        sum = (sum ^ ((value >> shift) & 0xFFU)) * UINT64_C(1099511628211);
+    }}
+    return sum;
+}}
+
+static uint64_t checksum(const {p}_state *state)
+{{
+    uint64_t sum = mixed(UINT64_C(14695981039346656037), state->declaration);
+{mixed}    return sum;
 }}
 """
 

@@ -18,12 +18,21 @@ SUFFIX = {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
 
 
 def compiler(name: str | None = None) -> str:
-    """Return the path of the C compiler: `name`, else $CC, else cc, gcc or clang. EngineError if there is none."""
-    wanted = [name] if name else [*filter(None, [os.environ.get("CC")]), "cc", "gcc", "clang"]
+    """Return the path of the C compiler: `name`, else $CC, else cc, gcc or clang.
+
+    EngineError if there is none, or not the one that is named: another one might build for another target.
+    """
+    named = os.environ.get("CC")
+    wanted = [name] if name else [named] if named else ["cc", "gcc", "clang"]
     for one in wanted:
         found = shutil.which(one)
         if found:
             return found
+    if named and not name:
+        raise EngineError(
+            f"no C compiler: the variable CC names {named!r}, which is no program that runs. Name one without options, or "
+            "unset CC for cc, gcc or clang."
+        )
     raise EngineError(
         f"no C compiler: {', '.join(wanted)} not found. Install one (gcc or clang), or name it in the variable CC."
     )

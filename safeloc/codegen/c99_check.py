@@ -100,8 +100,11 @@ def _checking(layout: Layout) -> str:
 static void step({p}_state *state, {p}_outputs *outputs)
 {{
     {p}_inputs inputs;
+    {p}_state unset;
 {_read(layout.inputs, "inputs") or "    inputs.nothing = 0;" + chr(10)}    step_number++;
     steps++;
+    memset(&unset, step_number % 2 ? 0 : 0xAA, sizeof unset);
+    compare("status with a state that was not set", {p}_step(&unset, &inputs, outputs), {upper}_STATE_NOT_SET);
     compare("status", {p}_step(state, &inputs, outputs), number());
     compare("status of check_state", {p}_check_state(state), {upper}_OK);
 {_compared(layout.output_fields, "outputs", "output")}{_compared(layout.state, "state", "state")}}}

@@ -16,7 +16,7 @@ _KEYWORDS = """
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Bool _Complex
     _Imaginary bool true false NULL errno EOF offsetof asm typeof
 """
-_OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged nothing"
+_OWN_WORDS = "state inputs outputs first count done floor_div ceil_div advance show judged sound declaration nothing"
 _RESERVED = frozenset(f"{_KEYWORDS} {_OWN_WORDS}".split())
 _TYPES = re.compile(r"u?int(_\w+)?\d*_t|u?int\w*_(min|max|c)|size_t|size_max|t\d+", re.IGNORECASE)
 

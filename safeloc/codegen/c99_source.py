@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from safeloc.codegen.c99_around import running, snapshots, status_texts, stepping
-from safeloc.codegen.c99_header import input_status
 from safeloc.codegen.c99_layout import Field, Layout, remark
 from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_statuses import input_status
 from safeloc.codegen.c99_step import advance, blocks, body_of, joined, locals_of, show
 from safeloc.codegen.c99_terms import CEIL_DIV, FLOOR_DIV, constant
 from safeloc.codegen.dead_code import live
@@ -47,7 +47,8 @@ def _init(layout: Layout) -> str:
     p, upper = layout.names.prefix, layout.names.upper
     extra, given = (f", const {p}_first *first", ", first") if layout.first else ("", "")
     missing = "state == NULL || first == NULL" if layout.first else "state == NULL"
-    lines = [f"    state->{field.name} = {_first_value(layout, field)};" for field in layout.state]
+    lines = [f"    state->declaration = {upper}_DECLARATION;"]
+    lines += [f"    state->{field.name} = {_first_value(layout, field)};" for field in layout.state]
     return (
         f"int32_t {p}_init({p}_state *state{extra})\n{{\n"
         f"    if ({missing}) {{\n        return {upper}_NO_POINTER;\n    }}\n{_first_checks(layout)}"
@@ -140,13 +141,19 @@ def _lemmas(layout: Layout) -> list[Text]:
 
 
 def _check_state(layout: Layout) -> str:
+    """Return two functions that check the state, as for the inputs: one that compilers inline, and the external one."""
     p, upper = layout.names.prefix, layout.names.upper
-    tests = ["state == NULL", *(test for field in layout.state if (test := _outside(field, "state")))]
-    statuses = [f"{upper}_NO_POINTER", *[f"{upper}_STATE_OUT_OF_RANGE"] * (len(tests) - 1)]
+    ranges = [test for field in layout.state if (test := _outside(field, "state"))]
     lemmas = [f"!lemma_{number}(state)" for number in range(1, len(layout.kept or {}) + 1)]
-    statuses += [f"{upper}_STATE_UNSOUND"] * len(lemmas)
-    checks = "".join(map(_returned, [*tests, *lemmas], statuses))
-    return f"int32_t {p}_check_state(const {p}_state *state)\n{{\n{checks}    return {upper}_OK;\n}}\n"
+    checks = _returned(f"state->declaration != {upper}_DECLARATION", f"{upper}_STATE_NOT_SET")
+    checks += "".join(_returned(test, f"{upper}_STATE_OUT_OF_RANGE") for test in ranges)
+    checks += "".join(_returned(test, f"{upper}_STATE_UNSOUND") for test in lemmas)
+    missing = _returned("state == NULL", f"{upper}_NO_POINTER")
+    return (
+        f"/* The status of a state: it was set, and every variable is in its range. */\n"
+        f"static inline int32_t sound(const {p}_state *state)\n{{\n{checks}    return {upper}_OK;\n}}\n\n"
+        f"int32_t {p}_check_state(const {p}_state *state)\n{{\n{missing}    return sound(state);\n}}\n"
+    )
 
 
 def _returned(test: str, status: str) -> str:

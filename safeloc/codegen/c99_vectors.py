@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from safeloc.codegen.c99_header import FIRST_INPUT_STATUS
 from safeloc.codegen.c99_layout import Field, Layout
+from safeloc.codegen.c99_statuses import FIRST_INPUT_STATUS
 from safeloc.errors import InputError
 from safeloc.language.interpret import Values, outputs, read_inputs, start, step
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Value

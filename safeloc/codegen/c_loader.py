@@ -66,9 +66,8 @@ class CMachine:
     def __init__(self, layout: Layout, library: Path, first: Mapping[str, Value] | None = None) -> None:
         self.layout, self.system = layout, layout.system
         self._library = ctypes.CDLL(str(library))
-        self._state, self._inputs, self._outputs = (
-            _structure(fields)() for fields in (layout.state, layout.inputs, layout.output_fields)
-        )
+        self._state = _state(layout)()
+        self._inputs, self._outputs = (_structure(fields)() for fields in (layout.inputs, layout.output_fields))
         self._input_columns = _pointers(layout.inputs)
         self._snapshot = _snapshot(type(self._state))
         self._function("status_text").restype = ctypes.c_char_p
@@ -109,7 +108,7 @@ class CMachine:
                 f"{self.system.name}: the state has other names than the machine; give a value for each of its variables, and "
                 "no others."
             )
-        wanted = type(self._state)()
+        wanted = type(self._state)(declaration=self._state.declaration)
         _fill(wanted, fields, [state[field.source] for field in fields])
         self._call("check_state", ctypes.byref(wanted))
         self._state = wanted
@@ -201,6 +200,12 @@ def _structure(fields: Sequence[Field]) -> type[ctypes.Structure]:
     """Return the structure type that the header declares."""
     declared = [(field.name, _CTYPES[field.kind]) for field in fields] or [("nothing", ctypes.c_uint8)]
     return type("Structure", (ctypes.Structure,), {"_fields_": declared})
+
+
+def _state(layout: Layout) -> type[ctypes.Structure]:
+    """Return the type of the state that the header declares: the mark that it was set, then the variables."""
+    fields = [("declaration", ctypes.c_uint64), *_structure(layout.state)._fields_]
+    return type("State", (ctypes.Structure,), {"_fields_": fields})
 
 
 def _pointers(fields: Sequence[Field]) -> type[ctypes.Structure]:

@@ -16,6 +16,7 @@ from pathlib import Path
 from safeloc.codegen.c99 import library_texts
 from safeloc.codegen.c99_build import SUFFIX, build
 from safeloc.codegen.c99_layout import layout_of
+from safeloc.codegen.c99_origin import NO_ORIGIN, Origin
 from safeloc.codegen.fmi3_description import build_description, description
 from safeloc.codegen.fmi3_source import unit_source
 from safeloc.codegen.fmi3_variables import variables_of
@@ -34,6 +35,7 @@ def to_fmu(
     doc: str = "",
     kept: Mapping[str, Bool] | None = None,
     cc: str | None = None,
+    origin: Origin = NO_ORIGIN,
 ) -> bytes:
     """Return the bytes of the unit's .fmu file. `system` is the on-board system, without ghosts.
 
@@ -42,12 +44,13 @@ def to_fmu(
     first      start values of the parameters, which choose values of variables declared ANY
     kept       invariants, proved by `safeloc.proof.provers.lasting`, that a restored state has to satisfy besides the ranges
     cc         the C compiler; the default is $CC, cc, gcc or clang
+    origin     what the unit is made of, for the header among its sources
 
     EngineError if there is no compiler; InputError if the system cannot run in C.
     """
     layout = layout_of(system, kept)
     variables = variables_of(layout, first or {})
-    texts = {**library_texts(layout, doc), "fmi3.c": unit_source(layout, variables, period_ms)}
+    texts = {**library_texts(layout, doc, origin), "fmi3.c": unit_source(layout, variables, period_ms)}
     sources = sorted(name for name in texts if name.endswith(".c"))
     files: dict[str, bytes] = {
         "modelDescription.xml": description(layout, variables, period_ms, doc).encode(),

@@ -32,7 +32,7 @@ def machine_html(machine: Machine) -> str:
 
 
 def trace_html(trace: Trace) -> str:
-    """Return the run as a table: in each step what fires, the inputs that are there, and the state that changes.
+    """Return the run as a table: in each step what fires, the inputs that came and those just gone, and the state that changes.
 
     Of a run longer than 60 steps, those steps are shown that a text table shows.
     """
@@ -54,7 +54,9 @@ def _step(trace: Trace, number: int) -> tuple[str, str, str, str]:
     step = trace.steps[number - 1]
     before = trace.steps[number - 2].state if number > 1 else trace.initial
     changed = {name: value for name, value in step.state.items() if before[name] != value}
-    inputs = _values(trace, present_inputs(trace.system, step.inputs))
+    came = present_inputs(trace.system, step.inputs)
+    earlier = present_inputs(trace.system, trace.steps[number - 2].inputs) if number > 1 else {}
+    inputs = "  ".join(filter(None, (_values(trace, came), *(f"no {name}" for name in earlier if name not in came))))
     return str(number), ", ".join(step.fired.values()), inputs, _values(trace, changed)
 
 

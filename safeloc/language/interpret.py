@@ -32,7 +32,7 @@ from safeloc.language.nodes import (
     Truth,
     Value,
 )
-from safeloc.language.renamed import renamed
+from safeloc.language.renamed import hint, renamed
 from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.terms import in_order
 from safeloc.language.trace import Step, Trace
@@ -213,7 +213,11 @@ def read_inputs(system: TransitionSystem, record: Mapping[str, object]) -> Value
                 )
             values[var] = admitted(var, left.pop(var.name))
     if left:
-        raise InputError(f"{system.name}: unknown inputs {sorted(left)}{renamed(left, _names(system.inputs))}.")
+        known, strange = _names(system.inputs), sorted(left)
+        new_names = renamed(left, known)
+        raise InputError(
+            f"{system.name}: unknown inputs {strange}{new_names}.{'' if new_names else hint(strange[0], known)}"
+        )
     return values
 
 

@@ -42,11 +42,11 @@ class Trace:
     def table(self, limit: int = 60) -> str:
         """Return the run as plain text, one line a step, with what changed since the line before.
 
-        The first state and the last step are shown in full. Of a run longer than `limit`, the first steps, those that fire
+        The first state and the last step are shown in full, the last one with the inputs that came before and are absent in it. Of a run longer than `limit`, the first steps, those that fire
         something else than the step before, and the last ones are shown; a line tells how many are left out between.
         """
         lines = [f"   0  start  {_row(self.system, self.initial)}"]
-        inputs, state, before = dict[str, Value](), self.initial, 0
+        inputs, state, before, came_before = dict[str, Value](), self.initial, 0, dict[str, Value]()
         for number in self.shown_steps(limit):
             step, full = self.steps[number - 1], number == len(self.steps)
             if number > before + 1:
@@ -54,9 +54,9 @@ class Trace:
             came = present_inputs(self.system, step.inputs)
             both = ((came, inputs), (step.state, state))
             new_inputs, new_state = (_row(self.system, new if full else _changed(new, old)) for new, old in both)
-            gone = "".join(f" no {name}" for name in inputs if name not in came and not full)
+            gone = "".join(f" no {name}" for name in (came_before if full else inputs) if name not in came)
             lines.append(f"{number:4}  {_fired(step)}  [{f'{new_inputs}{gone}'.strip()}]  {new_state}".rstrip())
-            inputs, state, before = came, step.state, number
+            inputs, state, before, came_before = came, step.state, number, came_before | came
         return "\n".join(lines)
 
     def shown_steps(self, limit: int) -> list[int]:

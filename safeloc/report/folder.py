@@ -54,8 +54,10 @@ _OLD = (("certificates", "*.smt2"), ("traces", "*.jsonl"), ("traces", "*.json.xz
 def usable(folder: Path) -> None:
     """Raise InputError if no report can be written here; called before the proofs, so that they are not made in vain."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
+        existing = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+        with tempfile.TemporaryFile(
+            dir=existing
+        ):  # the folder itself is made with the report, not before a wrong name is told
             pass
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
@@ -150,6 +152,7 @@ def unfit(folder: Path) -> list[str]:
 @contextmanager
 def cleared(folder: Path) -> Iterator[None]:
     """Lock the folder against other runs, and remove the report in it."""
+    folder.mkdir(parents=True, exist_ok=True)
     with _alone(folder):
         _clear(folder)
         yield

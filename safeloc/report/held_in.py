@@ -6,7 +6,7 @@ A table with a column for each recording is wider than a sheet of paper and than
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
 
@@ -37,7 +37,10 @@ def recordings(rows: Sequence[_Data], counted: Callable[[Sequence[_Data]], str])
 
 
 def statements(rows: Sequence[_Data]) -> list[dict[str, Any]]:
-    """Return a row for each statement: in which runs it has which verdict, with what the replays note, and where it is not applicable."""
+    """Return a row for each statement: in which runs it has which verdict, with what the replays note, and where it is not applicable.
+
+    It has the places of its results that did not hold: pages lead to each of them.
+    """
     every = list(dict.fromkeys(_source(row) for row in rows))
     found: dict[str, dict[str, Any]] = {}
     for row in rows:
@@ -45,7 +48,14 @@ def statements(rows: Sequence[_Data]) -> list[dict[str, Any]]:
         name = row["name"].removeprefix(f"{name_of(PurePath(source))}: ")
         one = found.setdefault(name, {"name": name, "statement": row["statement"], "by_source": {}})
         one["by_source"][source] = row
-    return [{**one, "found": list(_alike(one["by_source"], every))} for one in found.values()]
+    return [
+        {**one, "found": list(_alike(one["by_source"], every)), "places": _places(one["by_source"].values())}
+        for one in found.values()
+    ]
+
+
+def _places(rows: Iterable[_Data]) -> list[str]:
+    return [row["at"] for row in rows if row["verdict"] != "held"]
 
 
 def _alike(by_source: Mapping[str, _Data], every: Sequence[str]) -> Iterator[dict[str, Any]]:

@@ -16,8 +16,8 @@ _MOST_CHARTS = 3
 
 
 def trace_rows(trace: _Data, signals: _Data) -> list[dict[str, Any]]:
-    """Return one row a step: number, what fired, the inputs that were present, the state that changed."""
-    before = trace["first"]
+    """Return one row a step: number, what fired, the inputs that were present and those just gone, the state that changed."""
+    before, came = trace["first"], dict[str, Any]()
     rows = [{"number": 0, "fired": "start", "inputs": "", "changed": _values(signals, before)}]
     for number, step in enumerate(trace["steps"], 1):
         changed = {name: value for name, value in step["state"].items() if before[name] != value}
@@ -25,12 +25,17 @@ def trace_rows(trace: _Data, signals: _Data) -> list[dict[str, Any]]:
             {
                 "number": number,
                 "fired": ", ".join(step["fired"].values()),
-                "inputs": _values(signals, step["inputs"]),
+                "inputs": "  ".join(filter(None, (_values(signals, step["inputs"]), *_gone(came, step["inputs"])))),
                 "changed": _values(signals, changed),
             }
         )
-        before = step["state"]
+        before, came = step["state"], step["inputs"]
     return rows
+
+
+def _gone(before: _Data, now: _Data) -> list[str]:
+    """Return what to say of inputs that came in the step before and are absent now."""
+    return [f"no {name}" for name in before if name not in now]
 
 
 def _values(signals: _Data, values: _Data) -> str:

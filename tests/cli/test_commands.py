@@ -166,7 +166,7 @@ def test_wrong_configuration(call: Call, tmp_path: Path) -> None:
     called = call("prove", "odometry", "--config", str(path))
     assert called.code == 2
     assert f"{path}: 2 fields are wrong" in called.err
-    assert "- tolerance_mm: Input should be a valid integer (got 'wide')" in called.err
+    assert "- tolerance_mm: has to be a whole number (got 'wide')" in called.err
     assert "- colour: " in called.err
 
 

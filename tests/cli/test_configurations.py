@@ -119,3 +119,38 @@ def test_a_recording_that_the_defaults_cannot_take_is_an_error(tmp_path: Path) -
         Work(target, 1, lambda *_: None, lambda _: None).verified(
             Plan(Limits(), examples=1, steps=1, seed=0, quick=True)
         )
+
+
+def test_a_recording_of_other_figures_says_so(call: Call, tmp_path: Path) -> None:
+    """The range that it leaves is one of this configuration; a recording of one's own is meant."""
+    shorter = tmp_path / "shorter.toml"
+    shorter.write_text("vehicle_length_mm = 75400\n", encoding="utf-8")
+    called = call("replay", "odometry", "odometry-service", "--config", str(shorter))
+    assert called.code == 2
+    told = " ".join(called.err.split())
+    assert "is outside 0.." in told
+    assert "odometry-service was made with other figures than those of" in told
+
+
+def test_the_figures_of_a_file_are_listed(call: Call, tmp_path: Path) -> None:
+    """As they are set, beside the default; and only of one machine."""
+    shorter = tmp_path / "shorter.toml"
+    shorter.write_text("vehicle_length_mm = 75400\n", encoding="utf-8")
+    called = call("list", "config", "odometry", "--config", str(shorter), "--json")
+    rows = {row["name"]: row for row in json.loads(called.out)}
+    assert rows["vehicle_length_mm"]["value"] == "75400"
+    assert rows["vehicle_length_mm"]["source"].startswith("set here; the default is 204700")
+    assert [name for name, row in rows.items() if row["source"].startswith("set here")] == ["vehicle_length_mm"]
+    assert call("list", "config", "--config", str(shorter)).code == 2
+    assert call("list", "properties", "odometry", "--config", str(shorter)).code == 2
+
+
+def test_a_misspelt_machine_leaves_no_folder_behind(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folder is made with the report."""
+    monkeypatch.chdir(tmp_path)
+    called = call("verify", "odomtry")
+    assert called.code == 2
+    assert "Did you mean 'odometry'?" in " ".join(called.err.split())
+    assert list(tmp_path.iterdir()) == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -46,6 +47,30 @@ def test_a_page_by_its_name(call: Call, name: str, file: str) -> None:
     called = call("docs", name)
     assert (called.code, called.out) == (0, f"{DOCS / file}\n")
     assert json.loads(call("docs", name, "--json").out) == {"name": name, "path": str(DOCS / file)}
+
+
+def test_pages_lead_nowhere_that_is_not_installed() -> None:
+    """Their folder is all that an install has of them; only the page for developers leads to the sources."""
+    found = {(page.name, link) for page in DOCS.rglob("*.md") for link in links_out_of_the_folder(page)}
+    assert {("architecture.md", "../CONTRIBUTING.md")} == found
+
+
+def links_out_of_the_folder(page: Path) -> list[str]:
+    """The files outside of the documentation to which a page links."""
+    links = re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8"))
+    places = [os.path.normpath(page.parent / link) for link in links if "://" not in link]
+    return [os.path.relpath(place, DOCS) for place in places if not Path(place).is_relative_to(DOCS)]
+
+
+def test_the_text_of_a_page(call: Call) -> None:
+    """`--print` gives it in place of the path, for whoever reads in the terminal; it is of one page."""
+    assert (DOCS / "tutorial.md").read_text(encoding="utf-8") == call("docs", "tutorial", "--print").out
+    assert 2 == call("docs", "--print").code == call("docs", "tutorial", "--print", "--json").code
+
+
+def test_the_readme_is_no_page(call: Call) -> None:
+    """It is the description of the package; whoever asks for it wants to begin."""
+    assert "there is no page 'README'; `safeloc docs` lists all. Begin with the tutorial." in call("docs", "README").err
 
 
 @pytest.mark.parametrize(("name", "meant"), [("langage", "language"), ("decisions/prof", "decisions/proof")])

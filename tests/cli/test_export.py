@@ -22,7 +22,7 @@ def test_a_folder_of_c_checks_itself(call: Call, tmp_path: Path) -> None:
     (folder / "own.txt").write_text("mine", encoding="utf-8")
     called = call("export", DOOR, "--to", "c", "--out", str(folder))
     assert called.code == 0, called.err
-    assert f"6 files in {folder}" in called.err
+    assert f"7 files in {folder}" in called.err
     assert called.out == ""
     code, printed = make(folder, "check", "sanitize")
     assert code == 0, printed
@@ -98,9 +98,48 @@ def test_forms_that_are_no_text_need_a_place(call: Call, monkeypatch: pytest.Mon
     assert called.out == ""
 
 
-def test_a_folder_that_cannot_be_made_is_told(call: Call, tmp_path: Path) -> None:
-    """One sentence, exit code 2."""
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    called = call("export", DOOR, "--to", "c", "--out", str(tmp_path / "file" / "folder"))
+@pytest.mark.parametrize(
+    ("form", "place", "why"),
+    [
+        ("c", "file", "file is no folder. Name a folder with --out."),
+        ("c", "file/folder", "file is no folder. Name a folder with --out."),
+        ("fmu", ".", "it is a folder. Name a file with --out."),
+        ("svg", "none/door.svg", "there is no folder"),
+    ],
+)
+def test_a_place_that_cannot_be_written_is_told_first(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, form: str, place: str, why: str
+) -> None:
+    """One sentence, exit code 2, before the machine is even loaded."""
+    monkeypatch.setenv("COLUMNS", "300")
+    monkeypatch.setattr("safeloc.cli.export.load_target", lambda *_: pytest.fail("loaded"))
+    (tmp_path / "file").write_text("kept", encoding="utf-8")
+    called = call("export", DOOR, "--to", form, "--out", str(tmp_path / place))
     assert called.code == 2
     assert "cannot be written" in called.err
+    assert why in called.err
+    assert (tmp_path / "file").read_text(encoding="utf-8") == "kept"
+
+
+def test_a_unit_needs_a_compiler_before_anything_is_proved(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A named compiler that does not exist is not replaced by another one."""
+    monkeypatch.setenv("CC", "/nonexistent/cc")
+    monkeypatch.setattr("safeloc.cli.export.load_target", lambda *_: pytest.fail("loaded"))
+    called = call("export", DOOR, "--to", "fmu", "--out", str(tmp_path / "door.fmu"))
+    assert called.code == 2
+    assert "CC names '/nonexistent/cc'" in called.err
+    assert not (tmp_path / "door.fmu").exists()
+
+
+def test_what_was_proved_before_is_not_proved_again(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`prove` and `export` ask the same questions of a machine, and the second finds the answers in the cache."""
+    store = ["--cache", str(tmp_path / "cache")]
+    assert call("prove", DOOR, *store, "--jobs", "1").code == 0
+    monkeypatch.setattr("safeloc.proof.provers.implication.ask", lambda *_: pytest.fail("asked z3 again"))
+    called = call("export", DOOR, "--to", "c", "--out", str(tmp_path / "door"), *store)
+    assert called.code == 0, called.err
+    assert "door: proving the invariants that every state is checked by" in called.err

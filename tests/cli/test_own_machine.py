@@ -33,7 +33,8 @@ def test_wrong_guard(call: Call, tmp_path: Path) -> None:
     assert called.code == 1
     assert "violated  door/property/opens at speed" in called.out
     assert "   0  start  mode=LOCKED closing_for=0" in called.out
-    last = called.out.splitlines()[-2]
+    last, why = called.out.splitlines()[-3:-1]
+    assert f"Why: safeloc explain {tmp_path / 'wrong_door.py'}:machine 'opens at speed'" == why
     assert last.startswith("   1  open  [")
     assert "released=true" in last
     assert "mode=OPEN" in last
@@ -157,5 +158,5 @@ def test_a_claim_that_reads_an_absent_input_is_pointed_out(call: Call, tmp_path:
     own.write_text(SILENT, encoding="utf-8")
     told = " ".join(call("prove", f"{own}:machine").out.split())
     assert "note: the claim 'open when it is near'" in told and "gate.py:11)" in told
-    assert "reads seen_mm also while it is absent; it is then 0." in told
+    assert "depends on seen_mm also while it is absent; it is then 0," in told
     assert "note: the claim 'shut" not in told

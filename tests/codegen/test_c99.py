@@ -129,6 +129,7 @@ WRONG = {
     "an update is forgotten": ("odometer", "state->margin = 0;\n        outputs", "outputs"),
     "a wrong transition is told": ("doors", "outputs->fired = DOORS_FIRED_OPENED;", "outputs->fired = 0;"),
     "the border lets through": ("odometer", "inputs->movement > 5000", "inputs->movement > 5001"),
+    "any state is taken": ("odometer", "state->declaration != ODOMETER_DECLARATION", "state == NULL"),
 }
 
 
@@ -140,7 +141,11 @@ def test_a_wrong_generator_is_noticed(wrong: str, tmp_path: Path) -> None:
     replaced(folder, f"{name}.c", old, new)
     code, printed = make(folder, "check")
     assert code != 0
-    assert re.search(r"^run \d+, step \d+: (status|output \S+|state \S+) is -?\d+, expected -?\d+$", printed, re.M)
+    assert re.search(
+        r"^run \d+, step \d+: (status(?: with a state that was not set)?|output \S+|state \S+) is -?\d+, expected -?\d+$",
+        printed,
+        re.M,
+    )
 
 
 def test_vectors_without_steps_check_nothing(tmp_path: Path) -> None:

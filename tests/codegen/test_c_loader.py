@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+import struct
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -114,14 +116,14 @@ def test_a_snapshot_goes_on_as_before(tmp_path: Path) -> None:
     assert after == machine.step({"movement": 50}) == other.step({"movement": 50})
 
 
-@pytest.mark.parametrize("place", range(8, 16 + 24))
+@pytest.mark.parametrize("place", range(8, 16 + 32))
 def test_a_damaged_snapshot_is_refused(place: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     """A changed bit anywhere but in padding is noticed, and the state stays as it is."""
     machine = load_c(on_board("odometer"), folder=tmp_path_factory.getbasetemp() / "snapshots")
     machine.step({"movement": 100})
     saved = bytearray(machine.save())
     saved[place] ^= 4
-    if 20 <= place < 24:  # between mode and position nothing is kept
+    if 28 <= place < 32:  # between mode and position nothing is kept
         machine.restore(bytes(saved))
     else:
         with pytest.raises(InputError, match=r"^odometer: the snapshot's checksum is wrong; nothing was restored\.$"):
@@ -136,20 +138,32 @@ def test_a_foreign_snapshot_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="of another declaration; nothing was restored"):
         machine.restore(other.save())
     with pytest.raises(
-        InputError, match=r"^odometer: the snapshot has 39 bytes, expected 40; it is damaged or of another machine\.$"
+        InputError, match=r"^odometer: the snapshot has 47 bytes, expected 48; it is damaged or of another machine\.$"
     ):
         machine.restore(machine.save()[:-1])
+
+
+_SNAPSHOT = "<QQQi4xqq"
+"""Of the odometer: declaration, checksum, and the state with its mark, mode, position and margin."""
 
 
 def test_a_snapshot_out_of_range_is_refused(tmp_path: Path) -> None:
     """A value out of its range is refused even where the checksum fits."""
     machine = load_c(on_board("odometer"), folder=tmp_path)
-    machine._state.position = 10**7
-    saved = machine.save()
-    machine._state.position = 0
+    declaration, _, *state = struct.unpack(_SNAPSHOT, machine.save())
+    state[2] = 10**7
+    forged = struct.pack(_SNAPSHOT, declaration, _fnv_1a(state), *state)
     with pytest.raises(InputError, match=r"^odometer: a state variable is out of its range; nothing was done\.$"):
-        machine.restore(saved)
+        machine.restore(forged)
     assert machine.state["position"] == 0
+
+
+def _fnv_1a(numbers: Sequence[int]) -> int:
+    """The checksum of a snapshot: over the bytes of each number, the least significant one first."""
+    total = 14695981039346656037
+    for byte in b"".join((number % 2**64).to_bytes(8, "little") for number in numbers):
+        total = (total ^ byte) * 1099511628211 % 2**64
+    return total
 
 
 # ------------------------------------------------------------------ compiling
@@ -164,8 +178,21 @@ def test_without_a_compiler_the_message_says_what_to_do(monkeypatch: pytest.Monk
     with pytest.raises(EngineError, match=r"^no C compiler: tcc not found\."):
         compiler("tcc")
     monkeypatch.setenv("CC", "mycc")
-    with pytest.raises(EngineError, match=r"^no C compiler: mycc, cc, gcc, clang not found\."):
+    with pytest.raises(
+        EngineError, match=r"^no C compiler: the variable CC names 'mycc', which is no program that runs\."
+    ):
         compiler()
+
+
+def test_a_compiler_that_is_named_and_missing_is_not_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another one, which is there, might build for another target."""
+    monkeypatch.delenv("CC", raising=False)
+    found = compiler()
+    monkeypatch.setenv("CC", "/nonexistent/cc")
+    with pytest.raises(EngineError, match="CC names '/nonexistent/cc'"):
+        compiler()
+    monkeypatch.setenv("CC", found)
+    assert compiler() == found
 
 
 def test_a_library_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

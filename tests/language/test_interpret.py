@@ -76,6 +76,7 @@ def test_values_and_outputs() -> None:
         ({"x": 1, "p": True, "r": 5, "r.present": 1}, "r.present: expected true or false, got 1"),
         ({"x": 1, "p": True, "r.present": 0}, "r.present: expected true or false, got 0"),
         ({"x": 1, "p": True, "r": False}, "r: expected a whole number of mm, got False"),
+        ({"x": 1, "p": True, "xx": 0}, r"unknown inputs \['xx'\]\. Did you mean 'x'\?$"),
         ({"x": 1, "p": True, "mode": 0}, r"unknown inputs \['mode'\]"),
         ({"x": 1, "p": None}, "p: expected true or false, got None"),
     ],

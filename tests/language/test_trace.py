@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from safeloc.language.expr import boolean, choice, enumeration, members, number, optional
+from safeloc.language.html_views import trace_html
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.system import lower
@@ -44,6 +45,19 @@ def test_a_table_shows_what_changed_and_the_last_step_in_full() -> None:
         "   4  (stay)  []",
         "   5  see  [distance=40 signal=red]  mode=SEEN last=40",
     ]
+
+
+def test_an_input_that_is_absent_in_the_last_step_is_named_if_it_came_before() -> None:
+    """Its absence is often the cause of what the run shows; one that never came is left out."""
+    seen, silent = {"signal": "red", "distance": 40}, {"signal": "red"}
+    assert (
+        run(SYSTEM, [seen, silent, silent])
+        .table()
+        .splitlines()[-1]
+        .startswith("   3  (stay)  [signal=red no distance]  ")
+    )
+    assert "no distance" not in run(SYSTEM, [silent, silent]).table()
+    assert "signal=red  no distance" in trace_html(run(SYSTEM, [seen, silent]))
 
 
 def test_a_long_table_says_what_it_leaves_out() -> None:

@@ -101,6 +101,12 @@ def _place_of_the_group(whole: ReflectorDevice, _: Wires) -> Wires:
     return {whole.source.own.balise.position.value: ite(_counts(whole), whole.groups.own.memory.place, 0)}
 
 
+def _any_identity(whole: ReflectorDevice, _: Wires) -> Wires:
+    """Each group with the first identity that there is."""
+    given = whole.source.own.balise.identity
+    return {given.value: as_num(given.value.low, given.value.unit)}
+
+
 def _one_margin(whole: ReflectorDevice, _: Wires) -> Wires:
     _, below, _ = wired_interval(whole.groups.machine)
     return {whole.source.own.balise.accuracy.value: ite(_counts(whole), below, 0)}
@@ -240,6 +246,7 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "a raw telegram anchors": (_raw_telegram, "a rejected telegram is no reading"),
     "the telegram's place": (_raw_place, "contract of reflector"),
     "the group's place": (_place_of_the_group, "an accepted group is handed over"),
+    "a group with another identity": (_any_identity, "an accepted group is handed over"),
     "one margin for both": (_one_margin, "contract of reflector"),
     "a reading without its time": (_untimed, "an accepted group is handed over"),
     "the telegram's distance from the group": (_offset_dropped, "contract of reflector"),

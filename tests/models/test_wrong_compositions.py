@@ -16,7 +16,7 @@ from safeloc.assurance.mutation.members import Composed, composed
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.rewired import rewired
 from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Optional, Var, ite, maximum
+from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Optional, Var, between, ite, maximum, minimum
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
@@ -59,6 +59,16 @@ class Wired:
         return wired_interval(self._machines[machine])
 
 
+def cut(name: str) -> Wrong:
+    """The wires on which one input always hears false, or 0."""
+
+    def wrong(of: Wired) -> Wires:
+        return {of.to(name): _zero(of, name) if isinstance(of.to(name), NumVar) else FALSE}
+
+    wrong.__name__ = f"{name} cut"
+    return wrong
+
+
 # ------------------------------------------------------------------ the restrictive state behind a source
 
 
@@ -80,19 +90,16 @@ def _guards_interval_for_the_host(of: Wired) -> Wires:
     """In a cycle with a fix the host gets the guard's interval at end A, which no odometer and no marker has judged."""
     config = MarkerDeviceConfig()
     (place, low, high), given = of.interval("guard"), of.interval("odometry")
+    slack, most = config.antenna_tolerance_mm, config.odometry.tolerance_mm
     passed = of.of("guard.passed") & of.of("guard.valid") & of.of("odometry.valid")
-    slack = config.antenna_tolerance_mm
+    line = config.odometry.position_limit_mm
+    passed = passed & (low + slack <= most) & (high + slack <= most) & between(-line, place + config.antenna_mm, line)
     named = ("source_position_mm", "source_margin_below_mm", "source_margin_above_mm")
     theirs = (place + config.antenna_mm, low + slack, high + slack)
     return {
         of.to(f"delocalized.{name}"): ite(passed, one, other)
         for name, one, other in zip(named, theirs, given, strict=True)
     }
-
-
-def _clock_of_the_guard_stands(of: Wired) -> Wires:
-    """Then the guard's law says that the vehicle stands, and everything is proved of a standing vehicle."""
-    return {of.to("guard.advance"): FALSE}
 
 
 def _passed_without_an_interval(of: Wired) -> Wires:
@@ -111,11 +118,6 @@ def _one_end_located(of: Wired) -> Wires:
 
 def _trusted_without_a_report(of: Wired) -> Wires:
     return {of.to("area.train_1_trusted"): of.of("verification.trusted")}
-
-
-def _failed_chain_unheard(of: Wired) -> Wires:
-    """A failed test withholds, as an untested chain does, and nobody revokes the position."""
-    return {of.to("verification.chain_failed"): FALSE}
 
 
 def _never_tested(of: Wired) -> Wires:
@@ -141,26 +143,20 @@ def _wider_place(of: Wired) -> Wires:
     return {of.to("verification.fibre_margin_below_mm"): ite(present, maximum(below, above) + 1, 0)}
 
 
-def _ends_exchanged(of: Wired) -> Wires:
-    """The distance from front to rear for that from rear to front: two bounds with the wrong sign."""
-    (front, front_below, front_above), (rear, rear_below, rear_above) = of.interval("front"), of.interval("rear")
-    present = _flag(of.right("verification.fibre_ends_low_mm.present"))
-    return {
-        of.to("verification.fibre_ends_low_mm"): ite(present, rear - rear_below - front - front_above, 0),
-        of.to("verification.fibre_ends_high_mm"): ite(present, rear + rear_above - front + front_below, 0),
-    }
-
-
 def _nobody_sends(of: Wired) -> Wires:
     """Every record comes from nobody: each is taken for a lost one."""
     return {of.to("verification.reference_from"): NOBODY}
 
 
-def _counter_taken_for_neighbour(of: Wired) -> Wires:
+def _counter_taken_for_neighbour(machine: str) -> Wrong:
     """The train is not compared with its counter's place and speed when it comes in."""
-    source = of.right("verification.reference_from")
-    assert isinstance(source, Num)
-    return {of.to("verification.reference_from"): ite(source.eq(AXLE_COUNTER), NEIGHBOUR, source)}
+
+    def counter_taken_for_neighbour(of: Wired) -> Wires:
+        source = of.right(f"{machine}.reference_from")
+        assert isinstance(source, Num)
+        return {of.to(f"{machine}.reference_from"): ite(source.eq(AXLE_COUNTER), NEIGHBOUR, source)}
+
+    return counter_taken_for_neighbour
 
 
 def _neighbour_taken_for_counter(of: Wired) -> Wires:
@@ -169,8 +165,8 @@ def _neighbour_taken_for_counter(of: Wired) -> Wires:
     return {of.to("verification.reference_from"): ite(source.eq(NEIGHBOUR), AXLE_COUNTER, source)}
 
 
-def _count_unheard(of: Wired) -> Wires:
-    return {of.to("report.count_matches_now"): FALSE}
+def _trusted_with_a_count_only(of: Wired) -> Wires:
+    return {of.to("report.train_trusted"): of.right("report.count_matches_now")}
 
 
 def _runs_nowhere(of: Wired) -> Wires:
@@ -183,16 +179,29 @@ def _only_whole_trains(of: Wired) -> Wires:
     return {of.to("area.train_1_trusted"): both}
 
 
-def _never_whole(of: Wired) -> Wires:
-    return {of.to("area.train_1_integer"): FALSE}
-
-
 def _entry_at_the_other_end(of: Wired) -> Wires:
     """The area's law then speaks of a train at the other end, and every proof holds of that train."""
     event = of.right("area.train_1_event")
     assert isinstance(event, Num)
     other = ite(event.eq(ENTERS_LOW), ENTERS_HIGH, ite(event.eq(ENTERS_HIGH), ENTERS_LOW, event))
     return {of.to("area.train_1_event"): other}
+
+
+# ------------------------------------------------------------------ handover
+
+
+def _no_shared_stretch(of: Wired) -> Wires:
+    return {of.to("speaker.shared_from_mm"): of.right("speaker.shared_to_mm")}
+
+
+def _wider_of_both(of: Wired) -> Wires:
+    """The taking area's interval, and that of the giving one with it."""
+    low, high = (_number(of.right(f"speaker.taking_{end}_mm")) for end in ("low", "high"))
+    other_low, other_high = (_number(of.right(f"speaker.giving_{end}_mm")) for end in ("low", "high"))
+    return {
+        of.to("speaker.taking_low_mm"): minimum(low, other_low),
+        of.to("speaker.taking_high_mm"): maximum(high, other_high),
+    }
 
 
 # ------------------------------------------------------------------ localizer
@@ -221,10 +230,6 @@ def _revocation_not_sent(of: Wired) -> Wires:
     return {of.to("downlink.sent"): of.of("verification.trusted")}
 
 
-def _position_sent_after_revocation(of: Wired) -> Wires:
-    return {of.to("downlink.sent_valid"): FALSE}
-
-
 def _one_unit_only(of: Wired) -> Wires:
     return {
         of.to("odometry.front_radar_mm.present"): FALSE,
@@ -237,10 +242,6 @@ def _no_distance(of: Wired) -> Wires:
         of.to("arbitration.distance_mm.present"): FALSE,
         of.to("arbitration.distance_mm"): _zero(of, "arbitration.distance_mm"),
     }
-
-
-def _satellite_unused(of: Wired) -> Wires:
-    return {of.to("position.usable_3"): FALSE}
 
 
 def _no_reference_for_satellites(of: Wired) -> Wires:
@@ -268,18 +269,6 @@ def _wider_for_the_ends(of: Wired) -> Wires:
     return {of.to(f"ends.front_margin_{side}_mm"): maximum(below, above) for side in ("below", "above")}
 
 
-def _far_end_never_sent(of: Wired) -> Wires:
-    return {of.to("far_uplink.sent_valid"): FALSE}
-
-
-def _far_end_unseen(of: Wired) -> Wires:
-    return {of.to("trackside.far_valid"): FALSE}
-
-
-def _trackside_never_whole(of: Wired) -> Wires:
-    return {of.to("area.train_1_integer"): FALSE}
-
-
 def _trackside_of_whole_trains(of: Wired) -> Wires:
     """A report of the front end alone never reaches the area."""
     return {of.to("area.train_1_trusted"): of.of("trackside.integer")}
@@ -287,6 +276,11 @@ def _trackside_of_whole_trains(of: Wired) -> Wires:
 
 def _flag(term: Expr) -> Bool:
     assert isinstance(term, Bool)
+    return term
+
+
+def _number(term: Expr) -> Num:
+    assert isinstance(term, Num)
     return term
 
 
@@ -306,36 +300,49 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("marker_device", _wider_side_for_both, _INTERVAL),
     ("marker_device", _no_reason, _REASON),
     ("marker_device", _guards_interval_for_the_host, _INTERVAL),
-    ("marker_device", _clock_of_the_guard_stands, "time passes for the guard in every cycle"),
-    ("fibre_area", _failed_chain_unheard, "a chain that failed is latched"),
+    ("marker_device", cut("guard.advance"), "time passes for the guard in every cycle"),
+    ("fibre_area", cut("verification.chain_failed"), "a chain that failed is latched"),
     ("fibre_area", _never_tested, _LACKS),
     ("fibre_area", _failed_until_tested, _ENDS),
     ("fibre_area", _only_narrow_places, _LACKS),
     ("fibre_area", _wider_place, "the reported position is the front's"),
-    ("fibre_area", _ends_exchanged, _ENDS),
+    ("fibre_area", _trusted_with_a_count_only, "a believed end is reported"),
     ("fibre_area", _nobody_sends, _ENDS),
-    ("fibre_area", _counter_taken_for_neighbour, "at the counter speed and place are compared"),
+    ("fibre_area", _counter_taken_for_neighbour("verification"), "at the counter speed and place are compared"),
     ("fibre_area", _neighbour_taken_for_counter, "a neighbour's record is compared with no counter"),
-    ("fibre_area", _count_unheard, "a train of which all axles are counted is reported whole"),
+    ("fibre_area", cut("report.count_matches_now"), "a train of which all axles are counted is reported whole"),
     ("fibre_area", _runs_nowhere, "a measured run counts for the end that leads"),
     ("fibre_area", _only_whole_trains, "every report reaches the area"),
-    ("fibre_area", _never_whole, "a whole train is confirmed"),
+    ("fibre_area", cut("area.train_1_integer"), "a whole train is confirmed"),
     ("fibre_area", _entry_at_the_other_end, "the area hears of a train at the end where it is counted"),
+    (
+        "counted_entry",
+        _counter_taken_for_neighbour("verification_doubted"),
+        "at the counter place and speed are compared",
+    ),
+    ("counted_entry", cut("verification_doubted.record_sound"), "an undisturbed record is handed over"),
+    ("counted_entry", cut("verification_doubted.record_length_low_mm"), "the record is no wider than the counter's"),
+    ("fibre_handover", cut("border.giving_distrusts"), "distrust on the way loses the handover"),
+    ("fibre_handover", cut("taking.record_axles"), "the record that arrives is the giving area's"),
+    ("fibre_handover", cut("taking.reference_from"), "the record that arrives is the giving area's"),
+    ("fibre_handover", cut("speaker.taking_trusts"), "each area that may report is heard"),
+    ("fibre_handover", _no_shared_stretch, "each area that may report is heard"),
+    ("fibre_handover", _wider_of_both, "what is reported is what the areas have in common"),
     ("localizer", _satellites_unheard, "arbitration hears what each source states"),
     ("localizer", _reason_of_another, _REFERENCES),
     ("localizer", _reference_of_another, _REFERENCES),
     ("localizer", _any_echo_a_reference, _REFERENCES),
     ("localizer", _revocation_not_sent, "each verdict of the trackside is sent on board"),
-    ("localizer", _position_sent_after_revocation, "each verdict of the trackside is sent on board"),
+    ("localizer", cut("downlink.sent_valid"), "each verdict of the trackside is sent on board"),
     ("localizer", _one_unit_only, "every machine runs on by the vehicle's distance"),
     ("localizer", _no_distance, "every machine runs on by the vehicle's distance"),
-    ("localizer", _satellite_unused, "the position hears which satellites are usable"),
+    ("localizer", cut("position.usable_3"), "the position hears which satellites are usable"),
     ("localizer", _no_reference_for_satellites, "satellites hear every reference"),
     ("localizer", _wider_for_the_trackside, "the trackside is sent what the host gets"),
     ("localizer_sections", _wider_for_the_ends, "both ends are sent together"),
-    ("localizer_sections", _far_end_never_sent, "both ends are sent together"),
-    ("localizer_sections", _far_end_unseen, "the trackside hears both links"),
-    ("localizer_sections", _trackside_never_whole, "the area hears the trackside"),
+    ("localizer_sections", cut("far_uplink.sent_valid"), "both ends are sent together"),
+    ("localizer_sections", cut("trackside.far_valid"), "the trackside hears both links"),
+    ("localizer_sections", cut("area.train_1_integer"), "the area hears the trackside"),
     ("localizer_sections", _trackside_of_whole_trains, "the area hears the trackside"),
 )
 """A composition, its wrong wires, and the claim that refuses them."""

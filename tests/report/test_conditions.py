@@ -89,6 +89,20 @@ def test_no_figure_of_a_source_is_ambiguous(name: str) -> None:
     )
 
 
+def test_a_law_of_a_unit_names_the_figures_of_that_unit() -> None:
+    """Of two units with other figures, the law of each has its own: no supplier vouches for the figures of the other's unit."""
+    said = {law["name"]: law["figures"] for law in conditions(machines("odometry", "localizer"))["laws"]}
+    for name, place in (
+        ("front_wheel obeys its error law", "first_unit"),
+        ("rear_radar obeys its error law", "second_unit"),
+        ("the odometer, if it is the lawful unit, obeys its error law", "odometer"),
+        ("the check unit, if it is the lawful unit, obeys its error law", "check"),
+    ):
+        of_a_unit = [words for words in said[name] if not words.startswith("max_")]
+        assert len(of_a_unit) >= 4
+        assert all(words.startswith(f"{place}.") and " or " not in words for words in of_a_unit)
+
+
 def core(claim: str, *elements: tuple[str, str], why_none: str = "") -> dict[str, Any]:
     """The core of a claim as the report has it."""
     rests_on = [{"kind": kind, "machine": "odometry", "name": name} for kind, name in elements]

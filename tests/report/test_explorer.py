@@ -203,6 +203,15 @@ def test_values_before_and_after(page: Page, report: Path) -> None:
     assert value(page, "released") == ["true", "false"]
 
 
+def test_nothing_is_before_the_first_step(page: Page, report: Path) -> None:
+    """Inputs and outputs have a dash there, not the word for an absent value; the table fits into half of a laptop's screen."""
+    page.size(1280, 800)
+    opened(page, runs_of(report), f"{WRONG}&step=1")
+    assert "\u2013" == value(page, "speed")[0] == value(page, "released")[0]
+    assert "LOCKED" == value(page, "mode")[0]
+    assert page.js("document.querySelector('.values').scrollWidth <= document.querySelector('.values').clientWidth")
+
+
 def test_why_a_transition_is_refused(page: Page, report: Path) -> None:
     """The machine itself says which part of the guard is false, with the values that it reads."""
     opened(page, runs_of(report), f"{WRONG}&step=1")

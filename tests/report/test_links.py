@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.catalogue import load_target
-from safeloc.language.verdict import Held, Proved, Violated
+from safeloc.language.verdict import Held, NotAsked, Proved, Violated
 from safeloc.proof.results import Finding
 from safeloc.report import page as page_module
 from safeloc.report.data import report_data
@@ -35,6 +35,14 @@ def some() -> list[Finding]:
     ]
 
 
+def not_held() -> list[Finding]:
+    """A test of a requirement whose case never occurred, and a replay that violates a property."""
+    return [
+        finding("never occurs", NotAsked("no case of it occurred"), "test", requirements=("MRK-D1",)),
+        finding("run: bad <b>", Violated(opening(), "replay of run.jsonl"), "replay"),
+    ]
+
+
 def test_a_result_leads_to_its_evidence(tmp_path: Path) -> None:
     """To its own certificates, to the run in the folder of traces, and to the lines that declare it; each is there."""
     page = write_folder(tmp_path, some(), [door()]).read_text(encoding="utf-8")
@@ -50,7 +58,8 @@ def test_a_result_leads_to_its_evidence(tmp_path: Path) -> None:
 
 def test_every_link_leads_to_a_file_or_a_place(tmp_path: Path) -> None:
     """In one page, and again when it is rendered from the folder's data alone."""
-    first = write_folder(tmp_path, [*findings(), *some()[:2]], [door()]).read_text(encoding="utf-8")
+    every = [*findings(), *some()[:2], *not_held()]
+    first = write_folder(tmp_path, every, [door()]).read_text(encoding="utf-8")
     assert render_folder(tmp_path).read_text(encoding="utf-8") == first
     links = set(re.findall(r'href="([^"]*)"', first))
     assert any(link.startswith("run.html#") for link in links)
@@ -58,6 +67,9 @@ def test_every_link_leads_to_a_file_or_a_place(tmp_path: Path) -> None:
         assert f'id="{link[1:]}"' in first if link.startswith("#") else (tmp_path / link.partition("#")[0]).is_file(), (
             link
         )
+    ids = re.findall(r'<[^>]* id="([^"]*)"', first)
+    assert len(ids) == len(set(ids))
+    assert [f"r{at}" for at, one in enumerate(every) if one in every[-2:]] == re.findall(r'<span id="(r\d+)">', first)
 
 
 def test_data_without_a_folder_have_no_links_to_files() -> None:

@@ -23,6 +23,8 @@ from safeloc.errors import InputError
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check_all
 from safeloc.language.verdict import Held, Proved, Unknown, Violated, word
+from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.vocabulary.error_law import RADAR
 from safeloc.proof.results import Finding
 from safeloc.report.certificates import read_archives
 from safeloc.report.data import report_data, schema
@@ -34,6 +36,8 @@ from safeloc.report.junit import to_junit
 from safeloc.report.page import to_html
 from safeloc.report.plot import line_chart
 from safeloc.runtime.streams.columns import read_runs
+from safeloc.shipped_machines import ENTRIES
+from safeloc.target import Target
 from tests.report.lamp import DOC, UNDECIDED, findings, target
 
 WRONG = "lamp/property/wears & tears"
@@ -272,11 +276,20 @@ def test_of_many_runs_the_few_others_are_named() -> None:
 
 
 def test_figures_of_the_configuration_have_units_and_sources() -> None:
-    """A default names its source; a value set by the user says so."""
-    figures = {row["name"]: row for row in report_data([], [load_target("odometry")])["machines"][0]["figures"]}
+    """A default names its source, also one of this machine alone; a value set by the user says so."""
+    figures = _figures(load_target("odometry"))
     assert figures["tolerance_mm"]["unit"] == "mm"
     assert "OCORA" in figures["tolerance_mm"]["source"]
-    assert figures["second_unit.constant_mm"]["source"].startswith("set here; the default is 5000 [S] SUBSET-041")
+    assert figures["second_unit.constant_mm"]["source"].startswith("the default here, elsewhere 5000 [S] SUBSET-041")
+    assert not any(figure["source"].startswith("set here") for figure in figures.values())
+    better = OdometryConfig(second_unit=RADAR.model_copy(update={"constant_mm": 4_000}))
+    set_by_user = _figures(ENTRIES["odometry"].make(better))["second_unit.constant_mm"]["source"]
+    assert set_by_user.startswith("set here; the default is 6000 [S] SUBSET-041")
+
+
+def _figures(target: Target) -> dict[str, Any]:
+    """The figures of the configuration as the report has them, by name."""
+    return {row["name"]: row for row in report_data([], [target])["machines"][0]["figures"]}
 
 
 def test_a_machine_shown_twice_is_written_once() -> None:

@@ -93,7 +93,7 @@ class Breaking:
         for name, data in kept_or_done([*by_name], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.jobs):
             one = by_name[name]
             found[one] = _undecided(target, one, wanted[one]) if isinstance(data, Lost) else from_data(data)
-            self.progress.tick(f"{found[one].end:11} {' and '.join(map(str, one))}")
+            self.progress.tick(f"without {' and '.join(map(str, one))}: {_told(found[one])}")
         return [found[one] for one in wanted]
 
     def _task(self, target: Target, broken: tuple[ClauseId, ...], names: frozenset[str]) -> Task:
@@ -103,6 +103,23 @@ class Breaking:
             lambda: [asdict(effect(target, broken, names, self.limits))],
             CLOCK * questions * self.limits.seconds,
         )
+
+
+def _told(one: Effect) -> str:
+    """Return the outcome of a breach in a few words; of a target without an interval and a hazard, how many claims are lost."""
+    if one.end == "no interval":
+        return f"{len(one.lost) or 'no'} claim{'s' if len(one.lost) != 1 else ''} lost"
+    return _IN_SHORT[one.end]
+
+
+_IN_SHORT: Mapping[End, str] = {
+    "contained": "the interval stays right",
+    "withdrawn": "a wrong interval is withdrawn in time",
+    "wrong": "the interval can be wrong",
+    "hazard": "the hazard can occur",
+    "no hazard": "the hazard does not occur",
+    "undecided": "undecided",
+}
 
 
 def planned(target: Target) -> int:

@@ -50,7 +50,7 @@ class Parts:
 
 def parts(composed: Composed, places: Places, *, most: int | None, seed: int, only: Sequence[str] = ()) -> Parts:
     """Return all mutants, a sample of at most `most`, or those with the ids in `only`; InputError for an unknown id."""
-    wires = {edit.mutant.id: edit for edit in wire_edits(composed)}
+    wires = {edit.mutant.id: edit for edit in wire_edits(composed, places)}
     every = [*member_mutants(composed, places), *(edit.mutant for edit in wires.values())]
     chosen = [one for one in every if one.id in only] if only else sample(every, most or len(every), seed)
     missing = sorted(set(only) - {one.id for one in chosen})

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from safeloc.assurance.mutation import results
 from safeloc.assurance.mutation.claims import Canon, Layer, layer_of, variable
 from safeloc.assurance.mutation.corpus import Run, recorded
+from safeloc.assurance.mutation.equivalence import equal
 from safeloc.assurance.mutation.members import Composed, joined
 from safeloc.assurance.mutation.mutants import Mutant
 from safeloc.assurance.mutation.playing import first_broken, outputs_along
@@ -21,7 +22,7 @@ from safeloc.assurance.mutation.rewired import rewired
 from safeloc.assurance.mutation.wires import WireEdit
 from safeloc.errors import SafelocError
 from safeloc.language.composed_names import contract_text, inputs_text
-from safeloc.language.expr import TRUE, Bool, NumVar
+from safeloc.language.expr import TRUE, Bool, NumVar, all_of
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.terms import Substitution
@@ -42,12 +43,14 @@ class _Question:
 class CompositionBench:
     """All facts about a composition that are needed to judge its mutants.
 
-    asked  the goals that are proved for the unchanged composition, by name
+    right  the unchanged composition
+    asked  the goals that are proved for it, by name
     told   outputs of the unchanged composition along its recordings, by name of the run
     """
 
     composed: Composed
     canon: Canon
+    right: TransitionSystem
     asked: Mapping[str, Bool]
     runs: Sequence[Run]
     told: Mapping[str, tuple[tuple[object, ...], ...]]
@@ -62,9 +65,8 @@ def composition_bench(composed: Composed, limits: Limits) -> CompositionBench:
         one.name: one.goal for one in _questions(system, composed.claims, canon) if not _fails(one, canon, limits)
     }
     runs = list(recorded(composed.target, composed.target.system))
-    return CompositionBench(
-        composed, canon, proved, runs, {run.name: outputs_along(system, run) for run in runs}, limits
-    )
+    told = {run.name: outputs_along(system, run) for run in runs}
+    return CompositionBench(composed, canon, system, proved, runs, told, limits)
 
 
 def of_member(on: CompositionBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
@@ -101,7 +103,32 @@ def _judged(on: CompositionBench, made: TransitionSystem, claims: Sequence[Prope
     for run in on.runs:
         if outputs_along(system, run) != on.told[run.name]:
             return Outcome(results.RECORDED, (), run.name)
+    if _is_equivalent(on, system):
+        return Outcome(
+            results.EQUIVALENT, (), "the same step and outputs in every reachable state, under the assumption"
+        )
     return Outcome(results.SURVIVED, (), "neither its own claims nor those of the whole notice")
+
+
+def _is_equivalent(on: CompositionBench, system: TransitionSystem) -> bool:
+    """Return whether the same laws allow the same steps, with the same outputs, in every state that the facts of the machines allow."""
+    right, relevant = on.right, Relevance(on.right)
+    facts = [term for number in range(len(right.parts)) for term in _facts(right, number)]
+    alike = [] if system.assume is right.assume else [equal(system.assume, right.assume)]
+    moved = [equal(system.next[var], term) for var, term in right.next.items() if system.next[var] is not term]
+    told = [
+        equal(system.outputs[name], term) for name, term in right.outputs.items() if system.outputs[name] is not term
+    ]
+    questions = (
+        ([environment(right, assume=False), *facts], alike),
+        ([environment(right), *facts], moved),
+        (facts, told),
+    )
+    return not any(
+        on.canon.asked.failures(relevant.select(given, goals), {"": all_of(goals)}, on.limits.seconds)
+        for given, goals in questions
+        if goals
+    )
 
 
 def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:

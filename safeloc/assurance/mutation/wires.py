@@ -1,4 +1,4 @@
-"""Mutants of the wires of a composition: another wire of the same unit, and a wire that is cut."""
+"""Mutants of the wires of a composition: another wire of the same unit, a wire that is cut, and a wrong term or output on one."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from safeloc.assurance.mutation.glue import Wire, glue_edits
 from safeloc.assurance.mutation.members import Composed
 from safeloc.assurance.mutation.mutants import LONGEST, Mutant, numbered
+from safeloc.assurance.mutation.places import Places
 from safeloc.language.expr import FALSE, Expr, Lit, NumVar, Optional, Var
 from safeloc.language.machine import Machine
 from safeloc.language.render import infix
@@ -26,9 +28,14 @@ class WireEdit:
     wires: Mapping[Var, Expr]
 
 
-def wire_edits(composed: Composed) -> list[WireEdit]:
-    """Return all wrong wires, machine by machine; wires to ghosts of the world are not changed."""
+def wire_edits(composed: Composed, places: Places) -> list[WireEdit]:
+    """Return all wrong wires, machine by machine, then the wrong terms on them; wires to ghosts of the world are not changed."""
     made = [pair for machine in composed.plan.machines for pair in _of_machine(composed, machine)]
+    wires = composed.plan.wires
+    wired = [
+        Wire(machine, var, wires[var]) for machine in composed.plan.machines for var in _inputs(machine) if var in wires
+    ]
+    made += glue_edits(composed, places, wired)
     named = numbered(mutant for mutant, _ in made)
     return [WireEdit(mutant, wires) for mutant, (_, wires) in zip(named, made, strict=True)]
 

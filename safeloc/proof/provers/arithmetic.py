@@ -40,7 +40,7 @@ def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
         if range_of(var) in known.refuted:
             goal = observe(system, reachable("a range left", ~in_range([var])))
             goal = goal if var in system.ghosts else without_assumption(goal)
-            verdict_ = never(goal, str(known.refuted[range_of(var)]), limits)
+            verdict_ = never(goal, known.refuted[range_of(var)], limits)
             stays = f"{var.name} stays in {var.low}..{var.high}"
             yield Obligation(str(range_of(var)), stays, verdict_, "bounded search, then induction")
 
@@ -105,7 +105,7 @@ def _overflow(system: TransitionSystem, what: _Computed, known: Base, limits: Li
     by_solvers = rechecked_in_words(f"{by_bounds}; {len(wide)} by z3", confirmed_by(asked.texts))
     method = by_solvers if wide else by_bounds
     goals = {number: _left(system, f"{what.name} {number}", ~query.goals[number], what) for number in asked.failed}
-    found = none_happens({goal: str(asked.failed[number]) for number, goal in goals.items()}, limits)
+    found = none_happens({goal: asked.failed[number] for number, goal in goals.items()}, limits)
     for number, goal in goals.items():
         yield Obligation(goal.prop.name, f"{FITS}: {infix(wide[number])}", found[goal], method)
     if what.unsure:

@@ -70,8 +70,11 @@ def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
     return Substitution(twins).bool(term)
 
 
-def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) -> Inherited:
-    """Collect the facts of the machines in order; `seconds` limits each proof, and a multiple of it each contract."""
+def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float, *, assumed: bool = True) -> Inherited:
+    """Collect the facts of the machines in order; `seconds` limits each proof, and a multiple of it each contract.
+
+    assumed  also facts under the assumption, for which the contracts are proved; else only those for all inputs in range
+    """
     found, proof = Inherited(), _Proof(system)
     for part, proved in zip(system.parts, alone, strict=True):
         proof.ends = deadline(seconds * PATIENCE)
@@ -80,7 +83,7 @@ def inherit(system: TransitionSystem, alone: Sequence[Alone], seconds: float) ->
         if in_range:
             found.in_range.append(part.name)
             found.always |= _renamed(part, proved.always)
-        contract = in_range and proof.confirm(contract_of(part), part.contract, found, always=False)
+        contract = assumed and in_range and proof.confirm(contract_of(part), part.contract, found, always=False)
         if contract:
             found.facts |= _renamed(part, proved.facts)
             found.kept |= {} if part.contract is TRUE else {contract_of(part): part.contract}

@@ -9,26 +9,29 @@ from dataclasses import replace
 
 from safeloc.language.spec import Goal
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
+from safeloc.proof.provers.implication import Failure
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.searches import first_runs
 from safeloc.proof.provers.spacer import spacer
 
 
-def never(goal: Goal, why: str, limits: Limits) -> Verdict:
+def never(goal: Goal, why: str | Failure, limits: Limits) -> Verdict:
     """Return Violated with a run that reaches the goal (of kind `reachable`), Proved if no run does, else Unknown.
 
-    why  the reason why a single step did not exclude it
+    why  the reason why a single step did not exclude it; a failed question gives a state of its own, which a run that is found replaces
     """
     [verdict] = none_happens({goal: why}, limits).values()
     return verdict
 
 
-def none_happens(goals: Mapping[Goal, str], limits: Limits) -> dict[Goal, Verdict]:
+def none_happens(goals: Mapping[Goal, str | Failure], limits: Limits) -> dict[Goal, Verdict]:
     """Return this verdict for several goals of one system and one assumption; their runs are searched together."""
     runs = first_runs(list(goals), limits)
     return {
-        goal: Violated(runs.found[goal], "bmc", why) if goal in runs.found else _excluded(goal, why, runs.depth, limits)
+        goal: Violated(runs.found[goal], "bmc", why if isinstance(why, str) else "")
+        if goal in runs.found
+        else _excluded(goal, str(why), runs.depth, limits)
         for goal, why in goals.items()
     }
 

@@ -426,9 +426,12 @@ def _dead_in_the_composition(targets: Sequence[Target], known: Base, limits: Lim
     return {target for target in targets if target.free in dead}
 
 
+_FURTHER = "Give a recording that goes there (`recordings`), or search longer runs with --depth"
+
+
 def _dead(free: Goal, depth: int, limits: Limits) -> Verdict:
     for engine in (kinduction, spacer):
         never = engine(free, replace(limits, seconds=limits.seconds / 2))
         if isinstance(never, Proved):
             return Violated(None, never.engine, "never occurs, whatever the inputs: dead; remove it or mend its guard")
-    return Unknown("no run found that reaches it", depth)
+    return Unknown(f"no run found that reaches it. {_FURTHER}", depth)

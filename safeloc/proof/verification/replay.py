@@ -320,7 +320,7 @@ def _containment(
 ) -> Finding:
     wrong = [row.number for row in rows if row.truth == "WRONG"]
     invalid = sum(row.truth == "INVALID" for row in rows)
-    notes = {"contained": str(sum(row.truth == "contained" for row in rows)), "not reported": str(invalid)}
+    notes = {"contained": str(sum(row.truth == "contained" for row in rows)), "INVALID": str(invalid)}
     outcome: Result = Held("replay", 1, len(rows), notes)
     seen: tuple[int | None, ...] = ()
     if wrong:

@@ -1,6 +1,7 @@
 /* The state diagram of a machine, with the mode before and after a step and the way between them. */
 
-const PERMITTED = new Set(["svg", "g", "path", "rect", "text"]);
+/* Reports of earlier versions have the tips of arrows as a marker. */
+const PERMITTED = new Set(["svg", "g", "path", "rect", "text", "defs", "marker"]);
 
 class Diagram {
   constructor(box) {

@@ -397,7 +397,8 @@ class View {
   /* Only what differs from what stands there is written: most values stay from step to step. */
   showValue(one, was, is, changed) {
     const first = one.kind !== "state" && !this.step;
-    write(one, "before", this.step ? shown(was, one.signal) : "");
+    const none = one.kind !== "state" && this.step === 1; // inputs and outputs are of a step, and the first has none before it
+    write(one, "before", none ? "\u2013" : this.step ? shown(was, one.signal) : "");
     write(one, "after", first ? "" : shown(is, one.signal));
     if (one.changed !== changed) one.row.classList.toggle("changed", (one.changed = changed));
     const plotted = this.plotted.includes(one.name);

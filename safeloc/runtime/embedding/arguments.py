@@ -58,7 +58,9 @@ def period_of(program: Program, given: int | None) -> int:
     configured = configured_period_ms(program.name, program.target.config)
     period_ms = given if configured is None else configured
     if period_ms is None:
-        raise InputError(f"the configuration of {program.name} has no cycle length; give period_ms.")
+        raise InputError(
+            f"the configuration of {program.name} has no cycle length; give period_ms, on the command line --period-ms."
+        )
     if type(period_ms) is not int or type(given) not in (int, type(None)):
         raise InputError(f"period_ms is {given!r}; give whole ms.")
     if given not in (None, period_ms):

@@ -39,7 +39,7 @@ class DistanceRecord(Config):
     time_ms: _Time
     end: End
     unit: Name
-    step_mm: int
+    step_mm: Annotated[int, Field(description="distance run in this cycle, positive towards end A (front)")]
 
     @property
     def channel(self) -> str:
@@ -59,7 +59,7 @@ class PulseRecord(Config):
     time_ms: _Time
     end: End
     unit: Name = "wheel"
-    pulses: int
+    pulses: Annotated[int, Field(description="pulses counted in this cycle, positive towards end A (front)")]
 
     @property
     def channel(self) -> str:
@@ -78,10 +78,18 @@ class MarkerRecord(Config):
     kind: Literal["marker"] = "marker"
     time_ms: _Time
     end: End
-    marker: Annotated[int, Field(ge=0)]
-    position_mm: int | None = None
-    accuracy_mm: Annotated[int, Field(ge=0)] | None = None
-    since_mm: int | None = None
+    marker: Annotated[int, Field(ge=0, description="identity of the marker that the reader at this end read")]
+    position_mm: Annotated[
+        int | None, Field(description="place of the marker on the line's map; absent: the map does not have it")
+    ] = None
+    accuracy_mm: Annotated[
+        Annotated[int, Field(ge=0)] | None,
+        Field(description="largest distance between the marker and this place; absent: the configured one"),
+    ] = None
+    since_mm: Annotated[
+        int | None,
+        Field(description="distance run since the reader stood over the marker, positive towards end A (front)"),
+    ] = None
 
     @property
     def channel(self) -> str:

@@ -46,9 +46,10 @@ def target() -> Target:
 
 
 def listening() -> Target:
-    """Both, with one claim more: of the wired input that says whether the vehicle is silent."""
+    """Both, with one claim more: of the wired input that says whether the vehicle is silent. A part of that wire says nothing new."""
     first, second = watch(), door()
-    wires: dict[Var, Expr] = {SLOW: first.flag("slow"), SILENT: first.flag("silent")}
+    slow, silent = first.flag("slow"), first.flag("silent")
+    wires: dict[Var, Expr] = {SLOW: slow, SILENT: silent & (silent | slow)}
     whole = compose("watched_door", [first, second], wires)
     hears = whole.of(second).bool(SILENT).iff(whole.of(first).bool(~LAST))
     heard = always("silence is heard", hears & earlier_bool(hears), unconditional=True)

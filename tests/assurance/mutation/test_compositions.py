@@ -94,10 +94,36 @@ def test_a_claim_speaks_of_the_wire_that_is_there() -> None:
     fates = []
     for again in (listening, None):
         listened = composed(whole, places, again)
-        [cut] = [edit for edit in wire_edits(listened) if edit.mutant.words == "the wire to silent is cut"]
+        [cut] = [edit for edit in wire_edits(listened, places) if edit.mutant.words == "the wire to silent is cut"]
         made = of_wire(composition_bench(listened, PLAN.limits), cut)
         fates.append((made.fate, made.by))
     assert [("no longer proved", ("property silence is heard",)), ("survived", ())] == fates
+
+
+def test_a_wrong_term_on_a_wire() -> None:
+    """Each part of the gate is left out or turned; what leaves the value as it is, is equivalent and no question."""
+    with noted() as places:
+        whole = listening()
+    listened = composed(whole, places, listening)
+    on = composition_bench(listened, PLAN.limits)
+    gate = [edit for edit in wire_edits(listened, places) if "silent & (silent | slow)" in edit.mutant.source]
+    part = [edit for edit in wire_edits(listened, places) if edit.mutant.source == "silent | slow"]
+    told = [(edit.mutant.words, of_wire(on, edit).fate) for edit in (*gate, *part)]
+    noticed, equal = "no longer proved", "equivalent"
+    assert [
+        ("and becomes or", noticed), ("condition 1 is left out", noticed), ("condition 2 is left out", equal),
+        ("or becomes and", noticed), ("condition 1 is left out", noticed), ("condition 2 is left out", equal),
+    ] == told  # fmt: skip
+
+
+def test_another_output_of_the_machine() -> None:
+    """The next one of its kind, on one wire at a time."""
+    whole, places = loaded()
+    others = [edit.mutant for edit in wire_edits(whole, places) if edit.mutant.kind == "another output of the machine"]
+    assert [
+        ("watch.slow becomes watch.silent", ("wire to slow of door",)),
+        ("watch.silent becomes watch.slow", ("wire to silent of door",)),
+    ] == [(one.words, one.where) for one in others]
 
 
 def test_made_again_with_the_right_wires_nothing_has_changed() -> None:
@@ -125,7 +151,7 @@ def test_every_mutant_is_told_once() -> None:
     some = parts(whole, places, most=None, seed=0)
     assert some.of == some.number == len(all_judged()) == len({one.id for one in all_judged()})
     assert {"REQ-1", "REQ-2"} == set(by_requirement(all_judged()))
-    assert 4 == len(wire_edits(whole))
+    assert 6 == len(wire_edits(whole, places))
 
 
 def test_what_was_judged_is_kept(tmp_path: Path) -> None:

@@ -63,6 +63,7 @@ def test_a_range_that_is_left_comes_with_a_run() -> None:
     assert isinstance(violated, Violated)
     assert violated.trace is not None
     assert violated.trace.steps[-1].state["level"] == 11
+    assert "" == violated.reason  # the run shows it; a state that one step came from would be that of another run
 
 
 def test_a_ghost_may_leave_its_range_only_where_the_assumption_lets_it() -> None:
@@ -176,6 +177,7 @@ def test_what_is_too_deep_is_unknown() -> None:
     verdict = _found(deep, Limits(depth=3, seconds=0.5))["mode deep TWO"].result
     assert isinstance(verdict, Unknown)
     assert verdict.depth == 3
+    assert "Give a recording that goes there (`recordings`), or search longer runs with --depth" in verdict.reason
 
 
 def test_an_assumption_that_cannot_be_kept_is_violated() -> None:

@@ -1,5 +1,6 @@
 """Ranges and lemmas are proved before they are used; an unproved one is named and never assumed."""
 
+import weakref
 from dataclasses import replace
 
 import pytest
@@ -7,8 +8,9 @@ import pytest
 from safeloc.proof.provers import proved_base as module
 from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.implication import Refuted, Undecided
-from safeloc.proof.provers.proved_base import base
+from safeloc.proof.provers.proved_base import base, proved_always
 from safeloc.proof.provers.recheck import Certificate, certify
+from tests.examples import EXAMPLES
 from tests.proof.provers.small import HIGH, LEVEL, LOW, MODE, TICK, counter, system, told
 
 TRUE_LEMMA = MODE.eq(HIGH).iff(LEVEL > 4)
@@ -81,3 +83,14 @@ def test_what_cvc5_cannot_confirm_is_not_used(monkeypatch: pytest.MonkeyPatch) -
     known = base(system(counter()))
     assert told(known.always) == {"range of mode"}
     assert str(known.refuted[Fact("range", "level")]) == "undecided: cvc5 could not confirm it in time"
+
+
+def test_what_holds_for_all_inputs_is_proved_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is the same as in the whole base, also of a composition, and nothing is asked about the assumption."""
+    of_one = system(counter(lemmas={"never counts": LEVEL.eq(0), "high from 5": TRUE_LEMMA}, assumption=~TICK))
+    of_several = next(example.system for example in EXAMPLES if example.system.parts)
+    whole = [told(base(lowered).always) for lowered in (of_one, of_several)]
+    monkeypatch.setattr(module, "_KNOWN", weakref.WeakKeyDictionary())
+    monkeypatch.setattr(module, "_world", lambda *_: pytest.fail("asked under the assumption"))
+    assert [told(proved_always(lowered, seconds=30.0)) for lowered in (of_one, of_several)] == whole
+    assert all(whole)

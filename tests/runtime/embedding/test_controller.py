@@ -360,7 +360,10 @@ def test_a_claim_about_the_world_is_not_begun_anew() -> None:
 
 def test_the_period_is_said_once() -> None:
     """By the configuration, or by the host for a machine that has none."""
-    with pytest.raises(InputError, match=r"^the configuration of door has no cycle length; give period_ms\.$"):
+    with pytest.raises(
+        InputError,
+        match=r"^the configuration of door has no cycle length; give period_ms, on the command line --period-ms\.$",
+    ):
         Controller(own(door))
     with pytest.raises(InputError, match="configured for cycles of 100 ms, not 50 ms"):
         Controller(trusting(), period_ms=50)
