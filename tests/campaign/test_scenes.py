@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from safeloc.campaign.declaration import parse_campaign
 from safeloc.campaign.judged import judge_of
 from safeloc.campaign.scenes import check_strata, drawn_runs
 from safeloc.errors import InputError
+from safeloc.models.localizer.simulation.journeys import NOMINAL
 from tests.campaign.declared import ON_VALLEY, SMALL
 
 BALISE = (
@@ -57,6 +60,30 @@ def test_a_spoofed_localizer_is_counted_as_hazardous() -> None:
     assert broken == ["position: a solution is off by no more than its signals make of it"]
     assert found.broken[:, 0].argmax() in range(799, 803)
     assert (found.told & (found.margin_nm < 0) & found.broken).any()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("journey", NOMINAL)
+def test_localizers_without_a_fault_keep_every_law(journey: str) -> None:
+    """Every clause of every machine's world, in every cycle of as many vehicles as take the machines in C; no interval is wrong."""
+    text = LOCALIZER[: LOCALIZER.index("[[situations.faults]]")].replace("main-line", journey)
+    campaign = parse_campaign(text.replace("vehicles = 1\n", "vehicles = 12\n"), "c.toml")
+    (shard,) = campaign.shards
+    scene, _, runs = drawn_runs(campaign, shard)
+    judge = judge_of(scene.target)
+    found = judge.outcome(runs)
+    assert [name for name, held in zip(judge.clauses, found.held, strict=True) if not held.all()] == []
+    assert not (found.told & (found.margin_nm < 0)).any()
+    assert found.told.any(axis=0).all()
+
+
+@pytest.mark.parametrize("name", ["campaign.toml", "campaign-localizer.toml"])
+def test_the_examples_of_the_documentation_are_accepted(name: str) -> None:
+    """Their figures, faults and places exist."""
+    path = Path(__file__).parents[2] / "docs" / "examples" / name
+    campaign = parse_campaign(path.read_text(encoding="utf-8"), str(path))
+    check_strata(campaign)
+    assert len(campaign.strata) in (3, 51)
 
 
 def test_a_journey_that_there_is_not_is_refused() -> None:
