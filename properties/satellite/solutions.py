@@ -86,6 +86,21 @@ def used(model: Satellite) -> Iterator[Property]:
     )
 
 
+def exact(model: Satellite) -> Iterator[Property]:
+    """Claim that a solution that counts changes the state, where it is exact enough by itself."""
+    own, of = model.own, model.composition.of(model.machine)
+    level, widest = most_off(model), exact_to(Lit(own.config.tolerance_mm - 2, MM), NM)
+    place, end = exact_to(of.num(own.fix.value), NM), exact_to(Lit(own.config.position_limit_mm, MM), NM)
+    alone = of.num(own.last_verdict).eq(ACCEPTED) & ~of.bool(own.reference.present)
+    on_the_line = (place + level <= end) & (place - level >= -end)
+    yield for_all_inputs(
+        "a solution that is exact enough counts",
+        (alone & on_the_line & (level + level <= widest)).implies(of.bool(model.machine.fired("solution counts"))),
+        statement="in a cycle without a reference, an accepted solution whose protection level is within half the tolerance changes "
+        "the state",
+    )
+
+
 def _satellites(used: Sequence[Bool]) -> Num:
     """Return the number of satellites that a solution uses."""
     total = as_num(0, COUNT)
