@@ -13,7 +13,7 @@ from safeloc.models.satellite.variables import (
     LOCATED,
 )
 from safeloc.properties.satellite.prediction import prediction, prediction_error, threshold_rule
-from safeloc.properties.satellite.solutions import narrowed, outcomes, solutions, used
+from safeloc.properties.satellite.solutions import exact, narrowed, outcomes, solutions, used
 from safeloc.properties.satellite.state import (
     FALSE_SIGNALS,
     LAW,
@@ -30,7 +30,7 @@ for_all_inputs = partial(always, requirements=("SAT-1", "SAT-5"), unconditional=
 def properties(model: Satellite) -> list[Property]:
     """Return all properties of selection and position together, for solutions of usable satellites that can be trusted."""
     makers = (
-        _safety, _restart, _references, solutions, used, narrowed, outcomes, prediction, prediction_error, _coasting,
+        _safety, _restart, _references, solutions, used, exact, narrowed, outcomes, prediction, prediction_error, _coasting,
         threshold_rule, _anchor,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(model)]
@@ -190,6 +190,7 @@ def _anchor(model: Satellite) -> Iterator[Property]:
         statement="a reported position is no farther from the last reference, as odometry has carried it on, than "
         "the greatest errors of both",
     )
+    yield from _carried(model)
     if own.config.drift_check == "required":
         yield for_all_inputs(
             "nothing without odometry",
@@ -201,4 +202,24 @@ def _anchor(model: Satellite) -> Iterator[Property]:
         of.bool(machine.fired("common drift")),
         statement="a position that has drifted away from odometry ends",
         requirements=("SAT-1", "SAT-5"),
+    )
+
+
+def _carried(model: Satellite) -> Iterator[Property]:
+    """Claim how the place that odometry gives goes on from cycle to cycle."""
+    machine, own, now, was = model.machine, model.own, now_kept(model), kept_before(model)
+    of, config = model.composition.of(model.machine), model.own.config
+    margin, offset, known = of.num(own.anchor_margin), of.num(own.anchor_offset), of.bool(own.odometry.present)
+    moved = (now.position - offset) - (was.position - earlier_num(offset))
+    looser = margin - earlier_num(margin)
+    by_odometry = moved.eq(exact_to(of.num(own.odometry.value), NM)) & looser.eq(
+        exact_to(of.num(own.odometry_error), NM)
+    )
+    at_most = as_num(config.max_speed_mm_s * config.period_ms * 1_000 + most_way(model), NM)
+    goes_on = of.bool(own.anchored & machine.fired("solution counts", "coast"))
+    yield for_all_inputs(
+        "odometry counts from the last reference",
+        (goes_on & known).implies(by_odometry) & (goes_on & ~known).implies(moved.eq(0) & looser.eq(at_most)),
+        statement="the place with which a position is compared is the last reference, moved by odometry in each cycle, and its error "
+        "bound grows by that of odometry; in a cycle without odometry it stays, and its error bound grows by the run at the top speed and the greatest acceleration",
     )

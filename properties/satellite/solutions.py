@@ -86,6 +86,30 @@ def used(model: Satellite) -> Iterator[Property]:
     )
 
 
+def exact(model: Satellite) -> Iterator[Property]:
+    """Claim that a solution that counts changes the state, where the interval is then narrow enough to be reported."""
+    own, of = model.own, model.composition.of(model.machine)
+    low, high = _common(model)
+    widest, end = (exact_to(Lit(mm, MM), NM) for mm in (own.config.tolerance_mm - 2, own.config.position_limit_mm))
+    alone = of.num(own.last_verdict).eq(ACCEPTED) & ~of.bool(own.reference.present)
+    yield for_all_inputs(
+        "a solution that is exact enough counts",
+        (alone & (high - low <= widest) & (low >= -end) & (high <= end)).implies(
+            of.bool(model.machine.fired("solution counts"))
+        ),
+        statement="in a cycle without a reference, an accepted solution with which the interval is no wider than the tolerance of one "
+        "side changes the state",
+    )
+
+
+def _common(model: Satellite) -> tuple[Num, Num]:
+    """Return the ends of what the predicted interval and a solution with its protection level have in common, nm."""
+    was, level, way = kept_before(model), most_off(model), most_way(model)
+    place = exact_to(model.composition.of(model.machine).num(model.own.fix.value), NM)
+    low = maximum(place - level, was.low - way + run_at(model, was.slowest))
+    return low, minimum(place + level, was.high + way + run_at(model, was.fastest))
+
+
 def _satellites(used: Sequence[Bool]) -> Num:
     """Return the number of satellites that a solution uses."""
     total = as_num(0, COUNT)
@@ -99,12 +123,12 @@ def narrowed(model: Satellite) -> Iterator[Property]:
     usable signals.
     """
     own, of, now, was = model.own, model.composition.of(model.machine), now_kept(model), kept_before(model)
-    place, level, way = exact_to(of.num(own.fix.value), NM), most_off(model), most_way(model)
+    low, high = _common(model)
     speed, speed_level, gained = of.num(own.fix_speed), most_speed_off(model), most_change(model)
     fast = own.config.max_speed_mm_s * 1_000
     ends = [
-        now.low.eq(maximum(place - level, was.low - way + run_at(model, was.slowest))),
-        now.high.eq(minimum(place + level, was.high + way + run_at(model, was.fastest))),
+        now.low.eq(low),
+        now.high.eq(high),
         now.slowest.eq(maximum(maximum(speed - speed_level, was.slowest - gained), -fast)),
         now.fastest.eq(minimum(minimum(speed + speed_level, was.fastest + gained), fast)),
     ]
