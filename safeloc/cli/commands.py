@@ -36,7 +36,9 @@ COMMANDS: Mapping[str, Known] = {
         "List machines, properties, lines, or requirements with the transitions and properties that implement and verify them.",
     ),
     "docs": Known(
-        "docs", "docs", "List the documentation that is installed with safeloc, or print the path of one page."
+        "docs",
+        "docs",
+        "List the documentation that is installed with safeloc, or print the path of one page, or its text.",
     ),
     "import": Known(
         "line_import",
@@ -134,7 +136,7 @@ COMMANDS: Mapping[str, Known] = {
     "faults": Known(
         "faults",
         "faults",
-        "Break every clause of the world, and report the effect on each claim and on the reported interval.",
+        "Break every clause of the world, and report the effect on each claim, on the reported interval and on the declared hazard.",
     ),
     "verify": Known(
         "verify", "verify", "Prove, test, replay the shipped recordings, and write the report: the main command."

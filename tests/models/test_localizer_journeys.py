@@ -14,7 +14,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import environment
 from safeloc.models.localizer import compose_machines
 from safeloc.models.localizer.picture import picture
-from safeloc.models.localizer.simulation import simulate as localizer_streams
+from safeloc.models.localizer.simulation import front_ends
 from safeloc.models.localizer.simulation.journeys import (
     CASES,
     FREIGHT,
@@ -157,7 +157,7 @@ def test_spoofing_is_wrong_for_a_while_and_said_to_be() -> None:
 def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawn away by 3 m/s the satellites are believed until another source excludes them: in that cycle both are named, and
     nothing is passed on. Where it is passed on again, an absolute reference has just been accepted and all agree."""
-    monkeypatch.setattr(localizer_streams, "SPOOFED_MM", 300)
+    monkeypatch.setattr(front_ends, "SPOOFED_MM", 300)
     told = run(replace(NOMINAL["freight"], troubles=[Fault("spoofing", "", 800, 1_400)]))
     often = told.fired["arbitration: sources contradict each other"]
     assert often == 6

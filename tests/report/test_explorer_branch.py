@@ -460,7 +460,7 @@ def test_a_run_of_a_machine_by_itself_has_labels_and_units(page: Page, tmp_path:
     rows = page.js(
         "[...document.querySelectorAll('#run-values tbody tr')].filter(e => !e.hidden && e.cells.length > 1).map(e => [...e.cells].slice(0, 4).map(c => c.textContent))"
     )
-    assert ["at_mm", "absent", "200", "mm"] in rows and ["mode", "CALM", "ALERT", ""] in rows
+    assert ["at_mm", "\u2013", "200", "mm"] in rows and ["mode", "CALM", "ALERT", ""] in rows
     assert not page.js("document.getElementById('run').classList.contains('branching')")
     assert page.js("document.getElementById('run-if').hidden")
     assert page.said() == []
