@@ -106,7 +106,7 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
 def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report a position."""
     lost, located = mode[0], mode[2:]
-    failed = any_of(moved.failed for moved in cycle.cycles)
+    failed = any_of(moved.device.alive & moved.failed for moved in cycle.cycles)
     gone = ~cycle.any_alive
     keep = together(
         _seen(own, cycle), _set_or_prolonged(own, cycle), _identities(own, cycle.remembered()), {own.reason: LOCATED}

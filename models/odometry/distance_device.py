@@ -130,6 +130,11 @@ class Device:
         """The values that the device reports before the step."""
         return best(*(unit.values for unit in self.units))
 
+    @property
+    def alive(self) -> Bool:
+        """At least one unit has a position before the step."""
+        return self.units[0].alive | self.units[1].alive
+
 
 @dataclass(frozen=True, eq=False)
 class DeviceState:

@@ -17,7 +17,7 @@ from safeloc.models.odometry.variables import OdometryConfig, Parts
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import LOCATED
 from safeloc.properties.no_interval import no_interval
-from safeloc.properties.odometry import satellites
+from safeloc.properties.odometry import reasons, satellites
 
 LAW = (
     "distances obey their unit's error law or cannot have been run; readers stand over the marker that they give, but for one "
@@ -30,7 +30,7 @@ for_all_inputs = partial(always, requirements=("MRK-D1",), unconditional=True)
 def properties(model: Odometry) -> list[Property]:
     """Return all properties of the odometry machine."""
     makers = (_safety, _references, _window, _selection, _rejection, _sensors, _ages, satellites.properties)
-    return [prop for maker in makers for prop in maker(model)]
+    return [*(prop for maker in makers for prop in maker(model)), *reasons.properties(model, LAW)]
 
 
 def _safety(model: Odometry) -> Iterator[Property]:

@@ -340,8 +340,11 @@ def as_num(value: Num | int, unit: Unit | Enumeration) -> Num:
     if isinstance(value, Num):
         return value
     if isinstance(value, bool) or not isinstance(value, int):
+        hint = (
+            " Give a mode or a member itself, as modes(...) or members(...) made it." if isinstance(value, str) else ""
+        )
         raise UnitError(
-            f"{declared_at()}: expected a whole number or a Num term, got {type(value).__name__} {value!r}."
+            f"{declared_at()}: expected a whole number or a Num term, got {type(value).__name__} {value!r}.{hint}"
         )
     if isinstance(unit, Enumeration) and not 0 <= value < len(unit.members):
         raise UnitError(f"{declared_at()}: {value} is no member of enumeration {unit.name}: {', '.join(unit.members)}.")

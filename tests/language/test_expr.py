@@ -221,6 +221,7 @@ def test_conversions_carry_the_unit_they_name() -> None:
         (lambda: ite(P, X, SPEED), "cannot choose between mm and mm/s"),
         (lambda: ite(1, X, Y), "expected a truth value or a Bool term, got int 1"),  # type: ignore[call-overload]
         (lambda: ite(P, X, 1.5), "expected a whole number or a Num term, got float 1.5"),  # type: ignore[call-overload]
+        (lambda: X.eq("OPEN"), "got str 'OPEN'. Give a mode or a member itself"),  # type: ignore[arg-type]
         (lambda: product(RED, X), "arithmetic on an enumeration"),
         (lambda: floor_div(RED, 2), "arithmetic on an enumeration"),
         (lambda: X.eq(RED), "cannot compare mm and colour. A member of an enumeration is compared with"),

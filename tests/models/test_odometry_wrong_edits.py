@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from safeloc.codegen.smtlib import Query
-from safeloc.language.expr import TRUE, Bool, Num, all_of, as_num
+from safeloc.language.expr import FALSE, TRUE, Bool, Num, all_of, as_num
 from safeloc.language.spec import observe
 from safeloc.language.system import environment, in_range, lower
 from safeloc.language.terms import Substitution, variables
@@ -143,6 +143,11 @@ def front_leads_while_alive(patch: Patch) -> None:
     patch.setattr(odometry, "_takes_over", leads)
 
 
+def every_device_counts(counts: Bool) -> Edit:
+    """Every device counts as one that had a position when a loss gets its reason, or none does."""
+    return lambda patch: patch.setattr(Device, "alive", property(lambda self: counts))
+
+
 def identities_kept(patch: Patch) -> None:
     """An identity that the trailing reader has read waits on."""
     patch.setattr(Pending, "_without", lambda own, passed, trailing: list(own.places))
@@ -221,6 +226,14 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
     "the front device leads while it has a position": (
         front_leads_while_alive,
         "the front device takes over only with a smaller margin",
+    ),
+    "a silent device without a position makes a loss a failure of sensors": (
+        every_device_counts(TRUE),
+        "a failure of sensors is stated only of a device in use",
+    ),
+    "a failure of sensors is told as tolerance": (
+        every_device_counts(FALSE),
+        "tolerance is not stated where sensors failed",
     ),
 }
 
