@@ -12,7 +12,7 @@ import typer
 
 from safeloc.assurance.evidence.core_work import cores_of
 from safeloc.assurance.mutation.strength import kept_strengths
-from safeloc.catalogue import Target, load_target
+from safeloc.catalogue import Target, configured, load_target
 from safeloc.cli.console import err, out, print_line
 from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import ConfigOption, DepthOption, JobsOption, SecondsOption, SeedOption, TargetArgument
@@ -43,6 +43,9 @@ def explain(
         ),
     ] = None,
     config: ConfigOption = None,
+    configuration: Annotated[
+        str | None, typer.Option(help="a declared configuration of a shipped machine, by name, in place of --config")
+    ] = None,
     depth: DepthOption = 25,
     seconds: SecondsOption = 30.0,
     jobs: JobsOption = 2,
@@ -56,7 +59,7 @@ def explain(
 ) -> None:
     """Explain one property: what it says and assumes, how it was decided, what that rests on, and the run that violates it."""
     loaded, limits, store = (
-        load_target(target, config),
+        _loaded(target, config, configuration),
         Limits(depth=depth, seconds=seconds, seed=seed),
         store_in(cache),
     )
@@ -70,6 +73,17 @@ def explain(
     find_core = partial(_core, loaded, limits, jobs, store, fresh)
     told = explained(loaded, prop, finding, limits, find_core=find_core, shown_by=_strengths(store, loaded, prop))
     raise typer.Exit(_show(told, finding, loaded, prop, config, test, as_json=as_json))
+
+
+def _loaded(target: str, config: Path | None, configuration: str | None) -> Target:
+    if configuration is None:
+        return load_target(target, config)
+    if config is not None:
+        raise typer.BadParameter("--config and --configuration exclude each other: give a file, or a declared name.")
+    made = [loaded for _, loaded in configured(target, [configuration])]
+    if len(made) != 1:
+        raise typer.BadParameter("a property is explained in one configuration: give the name of one, not `all`.")
+    return made[0]
 
 
 def _show(

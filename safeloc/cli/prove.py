@@ -171,7 +171,7 @@ class _Proving:
             if self.quiet:
                 reports[name] = report_data(every[name], [loaded])
             else:
-                print_summary(every[name])
+                print_summary(every[name], [loaded])
         if self.quiet:
             print_json({"configurations": reports})
         else:

@@ -110,8 +110,12 @@ def findings_table(findings: Sequence[Finding], targets: Iterable[Target] = (), 
 
 def _explaining(target: Target, finding: Finding) -> str:
     """Return the command that explains a finding of a property."""
-    configured = [] if target.config_file is None else ["--config", str(target.config_file)]
-    return shlex.join(["safeloc", "explain", target.spec or target.name, finding.id.split("/", 2)[2], *configured])
+    made_with: list[str] = []
+    if target.config_file is not None:
+        made_with = ["--config", str(target.config_file)]
+    elif target.configuration:
+        made_with = ["--configuration", target.configuration]
+    return shlex.join(["safeloc", "explain", target.spec or target.name, finding.id.split("/", 2)[2], *made_with])
 
 
 def _pages_to_read(findings: Sequence[Finding]) -> list[str]:

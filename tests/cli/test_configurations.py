@@ -13,7 +13,7 @@ from safeloc.cli.prove import changed_figures
 from safeloc.errors import StreamError
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.verification.one import Plan, Work
-from tests.cli.calling import Call
+from tests.cli.calling import QUICK, Call, wrong_door
 
 ONE = ("--property", "only the own pattern passes", "--cache")
 
@@ -52,6 +52,28 @@ def test_one_configuration_by_name(call: Call, tmp_path: Path) -> None:
     (name, report), = json.loads(called.out)["configurations"].items()  # fmt: skip
     assert "one pattern is enough" == name
     assert {"proved"} == {one["verdict"] for one in report["results"]}
+
+
+def test_a_property_is_explained_in_a_configuration_by_name(call: Call, tmp_path: Path) -> None:
+    """Of one configuration, and of no two."""
+    asked = ("explain", "emitter", "only the own pattern passes", "--cache", str(tmp_path), "--configuration")
+    told = call(*asked, "one pattern is enough")
+    assert (told.code, "re-checked by" in told.out) == (0, True)
+    every = call(*asked, "all")
+    assert (every.code, "give the name of one" in " ".join(every.err.replace("│", " ").split())) == (2, True)
+    both = call(*asked, "one pattern is enough", "--config", "own.toml")
+    assert (both.code, "exclude each other" in " ".join(both.err.split())) == (2, True)
+
+
+def test_a_violation_in_a_configuration_says_how_to_have_it_explained(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the configuration's name, since it has no file."""
+    wrong = replace(load_target(wrong_door(tmp_path)), spec="door", configuration="the wide one")
+    monkeypatch.setattr("safeloc.cli.prove.configured", lambda *_: [("the wide one", wrong)])
+    called = call("prove", "door", "--configurations", "the wide one", "--property", "opens at speed", *QUICK)
+    assert called.code == 1
+    assert "Why: safeloc explain door 'opens at speed' --configuration 'the wide one'" in called.out
 
 
 def test_what_is_no_configuration_is_refused(call: Call, tmp_path: Path) -> None:
