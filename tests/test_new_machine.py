@@ -30,7 +30,7 @@ OF_ALL_MACHINES = (
     "tests/test_reported.py",
     "tests/assurance/test_independence.py",
     "tests/assurance/test_requirements.py",
-    "tests/assurance/test_splits.py",
+    "tests/assurance/splits/test_splits.py",
     "tests/cli/test_commands.py",
     "tests/models/test_absent_positions.py",
     "tests/models/test_laws.py",
