@@ -123,7 +123,7 @@ def _bounded(model: FibreArea) -> Iterator[Property]:
         _wired_in_range(model),
         statement="every value on a wire lies in the range of the input: nothing is clipped",
     )
-    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
+    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_cycle_distance_mm
     above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
     yield for_all_inputs(
         "tolerance",

@@ -147,7 +147,7 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
 
 def reported_run(fibre: FibreConfig) -> ReportedRun:
     """Return limit and error law of a pattern's measured run."""
-    return ReportedRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
+    return ReportedRun(fibre.max_cycle_distance_mm, fibre.rate_ppm, fibre.floor_mm)
 
 
 def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_model.Parts:

@@ -117,7 +117,7 @@ class Parts:
         self.next_front_is = declared.choice(boolean("next_front_is_the_trains"))
         self.next_body_rear = declared.choice(number("next_body_rear_um", UM, -body, body))
         self.next_body_front = declared.choice(number("next_body_front_um", UM, -body, body))
-        self.step = declared.choice(number("step_um", UM, -pattern, pattern))
+        self.step = declared.choice(number("true_cycle_distance_um", UM, -pattern, pattern))
         self.next_rear = declared.choice(number("next_rear_um", UM, -far - step, far + step))
         self.next_front = declared.choice(number("next_front_um", UM, -far - step, far + step))
 

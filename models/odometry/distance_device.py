@@ -99,9 +99,9 @@ class Unit:
     def verdict(self) -> Num:
         """Return the verdict on the cycle's distance: admitted, or why not. Its limits are configured, never measured."""
         known = self.gap <= self.limits.gap_limit
-        allowed = (self.gap + 1) * self.limits.max_step_change_mm
+        allowed = (self.gap + 1) * self.limits.max_cycle_distance_change_mm
         jump = known & (abs_(self.measured.value - self.last) > _as_mm(allowed))
-        too_fast = abs_(self.measured.value) > self.limits.max_step_mm
+        too_fast = abs_(self.measured.value) > self.limits.max_cycle_distance_mm
         return ite(~self.measured.present, MISSING, ite(too_fast, TOO_FAST, ite(jump, JUMP, ADMITTED)))
 
 
@@ -170,7 +170,11 @@ def device(declared: Declared, name: str, laws: tuple[ErrorLaw, ErrorLaw], limit
 
 
 def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
-    reach, farthest, longest = 2 * limits.max_step_mm + 1_000, limits.position_limit_mm, limits.max_step_mm
+    reach, farthest, longest = (
+        2 * limits.max_cycle_distance_mm + 1_000,
+        limits.position_limit_mm,
+        limits.max_cycle_distance_mm,
+    )
     return Unit(
         name,
         law,

@@ -62,7 +62,7 @@ class Movement:
     """The true movement of a vehicle: end A along the line, and its run in the cycle, nm."""
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
 
 
 def movement(bounds: Bounds) -> Movement:
@@ -70,14 +70,14 @@ def movement(bounds: Bounds) -> Movement:
     line_nm = bounds.line_mm * NM_PER_MM
     return Movement(
         number("truth_nm", NM, -line_nm, line_nm),
-        number("true_step_nm", NM, -bounds.farthest_nm, bounds.farthest_nm),
+        number("true_cycle_distance_nm", NM, -bounds.farthest_nm, bounds.farthest_nm),
     )
 
 
 class Ghosts:
     """The world's variables.
 
-    truth, true_step   end A along the line, and its true run in the cycle, nm
+    truth, true_cycle_distance   end A along the line, and its true run in the cycle, nm
     length             the true distance from end B to end A in the cycle
     since_stray        the time since a reader last read a marker that was not under it
     faulty             the unit that may break its law, or NONE; only with a possible fault
@@ -97,7 +97,7 @@ class Ghosts:
         longest_nm = bounds.longest_mm * NM_PER_MM
         units = [unit for device in devices for unit in device.units]
         self.truth = declared.ghost(moved.truth, first=ANY)
-        self.true_step = declared.choice(moved.true_step)
+        self.true_cycle_distance = declared.choice(moved.true_cycle_distance)
         self.length = declared.choice(number("true_length_nm", NM, 0, longest_nm))
         since_stray = number("since_stray_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms)
         self.since_stray = declared.ghost(since_stray, first=ANY)

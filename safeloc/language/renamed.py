@@ -15,8 +15,22 @@ _Declaring = TypeVar("_Declaring", bound=Callable[..., Any])
 
 _SIDES = {"over": "margin_above", "under": "margin_below"}
 """Former and present words for the sides of an interval: `over` was ETCS's under-reading, `under` its over-reading amount."""
-FIELDS = {"mute_limit_cycles": "mute_ms", "integrity_limit_cycles": "integrity_wait_ms"}
-"""Former and present fields of configurations; the former ones counted cycles, the present ones are times in ms."""
+_VARIABLES = {
+    "step_mm": "distance_mm",
+    "step_more_nm": "distance_more_nm",
+    "step_um": "true_cycle_distance_um",
+    "true_step_nm": "true_cycle_distance_nm",
+    "true_step_to_axle_nm": "true_distance_to_axle_nm",
+}
+"""Former and present names of variables and of fields of records, without the name of a machine in front."""
+FIELDS = {
+    "mute_limit_cycles": "mute_ms",
+    "integrity_limit_cycles": "integrity_wait_ms",
+    "max_step_mm": "max_cycle_distance_mm",
+}
+"""Former and present fields of configurations."""
+TIMES = frozenset({"mute_limit_cycles", "integrity_limit_cycles"})
+"""Former fields that counted cycles; the present ones are times in ms."""
 _PARTED = {
     "fix_protection_mm": ("fix_dilution_permille", "fix_further_mm"),
     "fix_speed_protection_um_s": ("fix_speed_dilution_permille", "fix_speed_further_um_s"),
@@ -29,7 +43,10 @@ _SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(_SIDES)})(?=_(?:mm|nm)$)")
 
 
 def name_now(name: str) -> str:
-    """Return the present name of a variable or output: `fibre_margin_above_mm` for `fibre_over_mm`."""
+    """Return the present name of a variable, output or field of a record: `fibre_margin_above_mm` for `fibre_over_mm`."""
+    machine, dot, bare = name.rpartition(".")
+    if bare in _VARIABLES:
+        return machine + dot + _VARIABLES[bare]
     return _SIDE.sub(lambda found: _SIDES[found[1]], name)
 
 

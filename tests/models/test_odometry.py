@@ -155,7 +155,7 @@ def test_published_trace_of_half_widths() -> None:
 def replayed_log(name: str) -> Trace:
     """A train log as distances of all four units."""
     config = OdometryConfig(period_ms=400)
-    limit = 2 * config.limits.max_step_mm + 1_000
+    limit = 2 * config.limits.max_cycle_distance_mm + 1_000
     stream = []
     for distance in log_steps_mm(name):
         usable = distance is not None and distance <= limit  # farther is refused at the border: out of range
@@ -185,7 +185,7 @@ def test_jumps_of_the_faulty_log_are_rejected() -> None:
 def test_jumps_move_no_interval_after_a_reference() -> None:
     """With a reference first, the faulty log's jumps never narrow the margin and never go unexplained."""
     config = OdometryConfig(period_ms=400, trust_first_marker=True, tolerance_mm=500_000)
-    limit = 2 * config.limits.max_step_mm + 1_000
+    limit = 2 * config.limits.max_cycle_distance_mm + 1_000
     stream = [step(0, config, **marker("front", 1, 0))]
     stream += [step(d, config) if d is not None and d <= limit else {} for d in log_steps_mm("trains/log_29083.csv")]
     trace = run(on_board(config), stream)

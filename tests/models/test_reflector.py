@@ -60,7 +60,7 @@ def on_board(config: ReflectorConfig = PLAIN) -> TransitionSystem:
 
 def step(distance_mm: int, *more: Mapping[str, Cell], **fields: Cell) -> dict[str, Cell]:
     """One cycle of 1 m to 10 m with a radar frame."""
-    given: dict[str, Cell] = {"step_mm": distance_mm, "frame_present": True}
+    given: dict[str, Cell] = {"distance_mm": distance_mm, "frame_present": True}
     for part in more:
         given |= part
     return completed(PLAIN, {**given, **fields})

@@ -29,7 +29,7 @@ def judged(*echoes: Echo) -> tuple[str, bool]:
     """The first echo's verdict, and whether the self-test passed, at a balise 80 m before reflector A."""
     seen = step_inputs(Frame(0, 0, 0, echoes), RADAR, STILL, CONFIG.echo_slots)
     told = {
-        "step_mm": 0,
+        "distance_mm": 0,
         "balise": 7,
         "balise_position_mm": 0,
         "balise_accuracy_mm": 1_000,
