@@ -55,7 +55,7 @@ def _trusted(model: FibreArea) -> Bool:
 
 
 def _reports(model: FibreArea) -> Bool:
-    return model.composition.of(model.report.machine).bool(model.report.machine.flag("told"))
+    return model.composition.of(model.report.machine).bool(model.report.machine.flag("reported"))
 
 
 def _error(model: FibreArea, end: str) -> Bool:

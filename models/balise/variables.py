@@ -245,13 +245,13 @@ class Ghosts:
         limits, half, most = config.limits, config.odometer.wander_nm, LARGEST_ACCURACY_MM
         self.truth = declared.ghost(moved.truth, first=ANY)
         self.wander = declared.ghost(moved.wander, first=ANY)
-        received = number("national_accuracy_told_mm", MM, 0, most)
+        received = number("national_accuracy_sent_mm", MM, 0, most)
         self.national = declared.ghost(received, first=config.default_accuracy_mm)
         self.doubted = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
         self.last_delivered = number(
-            "odometer_heard_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm
+            "odometer_last_delivered_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm
         )
         self.silent = number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1)
         if not config.checked_distance:
@@ -330,11 +330,11 @@ def _memory(declared: Declared, config: BaliseConfig) -> Memory:
         missed=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
         ended=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
         refused=declared.state(number("refused_in_row", COUNT, 0, config.refusal_limit_groups), first=0),
-        accuracy=declared.state(number("charged_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        accuracy=declared.state(number("added_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         run=declared.state(number("run_mm", MM, 0, FARTHEST_MM), first=0),
-        measured=declared.state(boolean("whole_run_measured"), first=False),
+        measured=declared.state(boolean("complete_run_measured"), first=False),
         direction=declared.state(choice("known_direction", enumeration(DIRECTION)), first=DIRECTION_UNKNOWN),
-        verdict=declared.state(choice("telegram_judged", enumeration(READ)), first=NONE),
+        verdict=declared.state(choice("telegram_last_verdict", enumeration(READ)), first=NONE),
         reaction=declared.state(choice("linking_reaction_now", enumeration(REACTION)), first=NO_REACTION),
         reason=declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE),
     )
@@ -343,6 +343,6 @@ def _memory(declared: Declared, config: BaliseConfig) -> Memory:
 def _ahead(declared: Declared, name: str, config: BaliseConfig) -> Ahead:
     reach = config.position_limit_mm + config.reflector_reach_mm
     return Ahead(
-        declared.state(boolean(f"{name}_told"), first=False),
+        declared.state(boolean(f"{name}_place_known"), first=False),
         declared.state(number(f"{name}_place_mm", MM, -reach, reach), first=0),
     )

@@ -157,7 +157,7 @@ class Parts:
         self.upwards = declared.state(boolean("entered_upwards"), first=False)
         self.long = declared.state(boolean("long_by_map"), first=False)
         self.unheard = declared.state(
-            number("run_unheard_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
+            number("run_since_amplitude_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
         )
         self.forwards = declared.state(boolean("runs_forwards"), first=True)
         self.band = declared.state(choice("band", enumeration(_BAND)), first=NORMAL)

@@ -257,7 +257,7 @@ def _report_wires(
 
 def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
     """Return the wires of the area: the report of slot 1, its event, and the train's true ends."""
-    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("told")
+    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
     return {
         slot.event: entry_.passed_on,
         slot.next_all_out: entry_.next_inside.eq(0),

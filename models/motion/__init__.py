@@ -227,7 +227,7 @@ def _outputs(own: Parts) -> dict[str, Expr]:
     if own.check is None:
         return outputs
     reported: dict[str, Expr] = {
-        "told": own.check.reported,
+        "reported": own.check.reported,
         "more_nm": own.check.more,
         "check_measured": own.check.unit.last_verdict,
     }

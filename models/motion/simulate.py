@@ -18,7 +18,7 @@ from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
 
-_TOLD = ("distance_mm", "told", "more_nm")
+_TOLD = ("distance_mm", "reported", "more_nm")
 
 
 @lru_cache(maxsize=8)

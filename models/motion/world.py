@@ -111,7 +111,7 @@ def _unit(declared: Declared, physics: Physics, name: str) -> UnitGhosts:
     farthest = physics.farthest_mm
     silent = number(f"{name}_silent_cycles", COUNT, 0, physics.longest_cycles)
     return UnitGhosts(
-        declared.ghost(number(f"{name}_heard_mm", MM, -farthest, farthest), first=0),
+        declared.ghost(number(f"{name}_last_delivered_mm", MM, -farthest, farthest), first=0),
         declared.ghost(silent, first=physics.gap_limit_cycles + 1),
     )
 

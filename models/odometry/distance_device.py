@@ -185,7 +185,7 @@ def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
         below=declared.state(number(f"{name}_margin_below_nm", NM, 0, limits.tolerance_nm), first=0),
         last=declared.state(number(f"{name}_last_mm", MM, -longest, longest), first=0),
         gap=declared.state(number(f"{name}_gap_cycles", COUNT, 0, limits.lone_limit + 1), first=limits.gap_limit + 1),
-        last_verdict=declared.state(choice(f"{name}_judged", enumeration(MEASURED)), first=MISSING),
+        last_verdict=declared.state(choice(f"{name}_last_verdict", enumeration(MEASURED)), first=MISSING),
         limits=limits,
     )
 

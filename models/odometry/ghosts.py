@@ -126,7 +126,7 @@ def _of_unit(declared: Declared, bounds: Bounds, unit: Unit) -> UnitGhosts:
     most, name, step = unit.law.constant_mm * NM_PER_MM // 2, unit.name, unit.measured.value
     wander = declared.ghost(number(f"{name}_wander_nm", NM, -most, most), first=ANY)
     next_wander = declared.choice(number(f"{name}_next_wander_nm", NM, -most, most))
-    last_delivered = declared.ghost(number(f"{name}_heard_mm", MM, step.low, step.high), first=0)
+    last_delivered = declared.ghost(number(f"{name}_last_delivered_mm", MM, step.low, step.high), first=0)
     silent = number(f"{name}_silent_cycles", COUNT, 0, bounds.lone_limit_cycles + 1)
     declared.ghost(silent, first=bounds.gap_limit_cycles + 1)
     if not unit.law.drift_mm_s2:

@@ -98,7 +98,7 @@ def ghosts(declared: Declared, moving: Moving, figures: Figures) -> Ghosts:
         truth=declared.ghost(moving.truth, first=ANY),
         wander=declared.ghost(moving.wander, first=ANY),
         bias=declared.ghost(number("radar_bias_nm", NM, -reach, reach), first=ANY),
-        announced=_entry(declared, "told", figures.position_limit_mm),
+        announced=_entry(declared, "announced", figures.position_limit_mm),
         sought=_entry(declared, "sought", figures.position_limit_mm),
         true_cycle_distance=declared.choice(moving.true_cycle_distance),
         next_wander=declared.choice(moving.next_wander),

@@ -58,7 +58,9 @@ def ghosts(declared: Declared, bounds: Bounds) -> Ghosts:
         route=declared.ghost(number("true_route", COUNT, 1, bounds.routes), first=ANY),
         truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
         wander=declared.ghost(number("wander_nm", NM, -half, half), first=ANY),
-        last_delivered=declared.ghost(number("odometer_heard_mm", MM, -run.farthest_mm, run.farthest_mm), first=0),
+        last_delivered=declared.ghost(
+            number("odometer_last_delivered_mm", MM, -run.farthest_mm, run.farthest_mm), first=0
+        ),
         silent=declared.ghost(
             number("odometer_silent_cycles", COUNT, 0, run.longest_cycles), first=run.gap_limit_cycles + 1
         ),

@@ -161,14 +161,15 @@ class Ghosts:
         self.distance = declared.ghost(number("true_distance_nm", NM, -line, line), first=ANY)
         self.wander = declared.ghost(number("odometer_wander_nm", NM, -half, half), first=ANY)
         self.last_delivered = declared.ghost(
-            number("odometer_heard_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm), first=0
+            number("odometer_last_delivered_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm),
+            first=0,
         )
         self.silent = declared.ghost(
             number("odometer_silent_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1
         )
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
-        told = number("national_accuracy_told_mm", MM, 0, LARGEST_ACCURACY_MM)
+        told = number("national_accuracy_sent_mm", MM, 0, LARGEST_ACCURACY_MM)
         self.national = declared.ghost(told, first=config.default_accuracy_mm)
         self.true_cycle_distance = declared.choice(
             number("true_cycle_distance_nm", NM, -limits.blind_nm, limits.blind_nm)
@@ -231,6 +232,6 @@ def _memory(declared: Declared, config: UnlinkedGroupConfig) -> Memory:
         passed=declared.state(choice("reference_passed", enumeration(ORIENTATION)), first=UNKNOWN),
         accuracy=declared.state(number("reference_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         age=declared.state(number("reference_age_ms", MS, 0, LONGEST_AGE_MS), first=0),
-        verdict=declared.state(choice("telegram_judged", enumeration(READ)), first=NONE),
+        verdict=declared.state(choice("telegram_last_verdict", enumeration(READ)), first=NONE),
         why=declared.state(choice("reason", enumeration(WHY)), first=NO_GROUP),
     )

@@ -100,7 +100,7 @@ def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, checked: 
         number(f"{name}_gap_cycles", COUNT, 0, limits.gap_limit + 1),
         limits,
         last=number(f"{name}_last_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm),
-        last_verdict=choice(f"{name}_judged", enumeration(MEASURED)),
+        last_verdict=choice(f"{name}_last_verdict", enumeration(MEASURED)),
         more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_cycle_distance_mm)) if checked else None,
     )
 

@@ -167,13 +167,13 @@ def replayed_log(name: str) -> Trace:
 def test_clean_logs_are_admitted_whole(name: str) -> None:
     """Every distance of the clean recordings passes the gates."""
     trace = replayed_log(name)
-    assert {label(trace, "front_wheel_judged", index) for index in range(len(trace.steps))} == {"ADMITTED"}
+    assert {label(trace, "front_wheel_last_verdict", index) for index in range(len(trace.steps))} == {"ADMITTED"}
 
 
 def test_jumps_of_the_faulty_log_are_rejected() -> None:
     """The faulty recording: jumps are refused with a reason, and no interval narrows because of one."""
     trace = replayed_log("trains/log_29083.csv")
-    judged = [label(trace, "front_wheel_judged", index) for index in range(len(trace.steps))]
+    judged = [label(trace, "front_wheel_last_verdict", index) for index in range(len(trace.steps))]
     assert judged.count("ADMITTED") > 700
     assert {"MISSING"} < set(judged)
     for index in range(1, len(trace.steps)):
@@ -194,7 +194,7 @@ def test_jumps_move_no_interval_after_a_reference() -> None:
         before, after = trace.steps[index - 1].outputs, trace.steps[index].outputs
         if before["valid"] and after["valid"]:
             assert margin(after) >= margin(before)
-        rejected += label(trace, "front_wheel_judged", index) != "ADMITTED"
+        rejected += label(trace, "front_wheel_last_verdict", index) != "ADMITTED"
     assert rejected > 0
 
 

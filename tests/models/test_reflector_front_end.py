@@ -42,8 +42,8 @@ def judged(*echoes: Echo) -> tuple[str, bool]:
         "next_reference_mm": 80_000,
     }
     trace = run(without_ghosts(lower(machine(CONFIG))), [completed(CONFIG, {**told, **seen.inputs})])
-    unit = trace.system.variable("echo_1_judged").unit
-    return str(unit.members[trace.steps[-1].state["echo_1_judged"]]), bool(trace.steps[-1].outputs["precise"])
+    unit = trace.system.variable("echo_1_last_verdict").unit
+    return str(unit.members[trace.steps[-1].state["echo_1_last_verdict"]]), bool(trace.steps[-1].outputs["precise"])
 
 
 def test_a_frame_becomes_a_position() -> None:
