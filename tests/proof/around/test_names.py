@@ -18,8 +18,8 @@ SYSTEM = lower(machine())
 @pytest.mark.parametrize(
     ("widths", "drops", "delays", "said"),
     [
-        ({"stp_mm": 1}, {}, {}, "--within: integrator has no input 'stp_mm'; it has distance_mm, fix_mm. Did you mean 'distance_mm'?"),
-        ({"place_mm": 1}, {}, {}, "--within: integrator has no input 'place_mm' (it is a state variable, no input); it has distance_mm, fix_mm."),
+        ({"distnce_mm": 1}, {}, {}, "--within: integrator has no input 'distnce_mm'; it has distance_mm, fix_mm. Did you mean 'distance_mm'?"),
+        ({"place_mm": 1}, {}, {}, "--within: integrator has no input 'place_mm' (it is a state variable, no input); it has distance_mm, fix_mm. Did you mean 'distance_mm'?"),
         ({"fix_mm.present": 1}, {}, {}, "--within: integrator has no input 'fix_mm.present'; it has distance_mm, fix_mm. Did you mean 'fix_mm'?"),
         ({}, {"distance_mm": 1}, {}, "--drop distance_mm: distance_mm is never absent, so no value of it can be missing."),
         ({}, {"fixx_mm": 1}, {}, "--drop: integrator has no input 'fixx_mm'; it has distance_mm, fix_mm. Did you mean 'fix_mm'?"),
