@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from safeloc.errors import InputError, ModelError
-from safeloc.language.renamed import FIELDS, hint
+from safeloc.language.renamed import FIELDS, TIMES, hint
 from safeloc.own_module import as_input_error, load_module, own_target
 from safeloc.runtime.outside import read_bytes
 from safeloc.shipped_machines import ENTRIES
@@ -250,8 +250,10 @@ def _nearest(error: Mapping[str, Any], kind: type[BaseModel] | None) -> str:
 
 def _now(error: Mapping[str, Any]) -> str:
     """Name the new field for one of an old version, and the command that converts the file."""
-    new = FIELDS.get(str(error["loc"][-1])) if error["loc"] else None
-    return "" if new is None else f"; it is {new} now, a time instead of cycles (safeloc migrate)"
+    old = str(error["loc"][-1]) if error["loc"] else ""
+    if old not in FIELDS:
+        return ""
+    return f"; it is {FIELDS[old]} now{', a time instead of cycles' if old in TIMES else ''} (safeloc migrate)"
 
 
 def _given(error: Mapping[str, Any]) -> str:

@@ -15,8 +15,58 @@ _Declaring = TypeVar("_Declaring", bound=Callable[..., Any])
 
 _SIDES = {"over": "margin_above", "under": "margin_below"}
 """Former and present words for the sides of an interval: `over` was ETCS's under-reading, `under` its over-reading amount."""
-FIELDS = {"mute_limit_cycles": "mute_ms", "integrity_limit_cycles": "integrity_wait_ms"}
-"""Former and present fields of configurations; the former ones counted cycles, the present ones are times in ms."""
+_VARIABLES = {
+    "step_mm": "distance_mm",
+    "step_more_nm": "distance_more_nm",
+    "step_um": "true_cycle_distance_um",
+    "true_step_nm": "true_cycle_distance_nm",
+    "true_step_to_axle_nm": "true_distance_to_axle_nm",
+    "band_last_told": "last_band",
+    "charged_accuracy_mm": "added_accuracy_mm",
+    "distance_told": "distance_reported",
+    "heard_high_nm": "last_fix_high_nm",
+    "heard_low_nm": "last_fix_low_nm",
+    "judged": "last_verdict",
+    "kept_axles": "stored_axles",
+    "kept_length_high_mm": "stored_length_high_mm",
+    "kept_length_low_mm": "stored_length_low_mm",
+    "national_accuracy_kept_mm": "national_accuracy_stored_mm",
+    "national_accuracy_told_mm": "national_accuracy_sent_mm",
+    "reflector_told": "reflector_place_known",
+    "rests_on": "evidence",
+    "rests_on_age_cycles": "evidence_age_cycles",
+    "run_since_whole_um": "run_since_complete_um",
+    "run_unheard_nm": "run_since_amplitude_nm",
+    "search_told": "search_place_known",
+    "told_far_mm": "far_edge_on_map_mm",
+    "told_long": "long_on_map",
+    "told_more_nm": "reported_more_nm",
+    "told_reflector_clear_mm": "announced_reflector_clear_mm",
+    "told_reflector_mm": "announced_reflector_mm",
+    "told_reflector_model": "announced_reflector_model",
+    "told_run_error_nm": "measured_run_error_nm",
+    "told_unheard_nm": "possible_run_since_amplitude_nm",
+    "told_with": "trust",
+    "unheard_cycles": "unreported_cycles",
+    "untold_for_cycles": "since_confirmed_cycles",
+    "whole_run_measured": "complete_run_measured",
+}
+"""Former and present names of variables and of fields of records, without the name of a machine in front."""
+_OUTPUTS = {"told": "reported", "heard": "verdict", "foreign_heard": "foreign_pattern"}
+"""Former and present outputs that are no variables: what a stream calls so is something else."""
+_ENDINGS = (
+    (re.compile(r"_judged(?=$|_for_next$)"), "_last_verdict"),
+    (re.compile(r"_heard_mm$"), "_last_delivered_mm"),
+)
+"""Former and present endings of variables: the verdict on a sensor's last measurement, and the last distance that it delivered."""
+FIELDS = {
+    "mute_limit_cycles": "mute_ms",
+    "integrity_limit_cycles": "integrity_wait_ms",
+    "max_step_mm": "max_cycle_distance_mm",
+}
+"""Former and present fields of configurations."""
+TIMES = frozenset({"mute_limit_cycles", "integrity_limit_cycles"})
+"""Former fields that counted cycles; the present ones are times in ms."""
 _PARTED = {
     "fix_protection_mm": ("fix_dilution_permille", "fix_further_mm"),
     "fix_speed_protection_um_s": ("fix_speed_dilution_permille", "fix_speed_further_um_s"),
@@ -29,19 +79,29 @@ _SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(_SIDES)})(?=_(?:mm|nm)$)")
 
 
 def name_now(name: str) -> str:
-    """Return the present name of a variable or output: `fibre_margin_above_mm` for `fibre_over_mm`."""
+    """Return the present name of a variable, output or field of a record: `fibre_margin_above_mm` for `fibre_over_mm`."""
+    machine, dot, bare = name.rpartition(".")
+    if bare in _VARIABLES:
+        return machine + dot + _VARIABLES[bare]
+    for ending, new in _ENDINGS:
+        name = ending.sub(new, name)
     return _SIDE.sub(lambda found: _SIDES[found[1]], name)
 
 
 def renamed(names: Iterable[str], known: Collection[str]) -> str:
     """Return a text to append, `; 'over_mm' is now 'margin_above_mm'`, for the former names among `names`; "" if none."""
     former = [name for name in sorted(names) if name not in known]
-    pairs = ((name, name_now(name)) for name in former)
+    pairs = ((name, _output_now(name_now(name))) for name in former)
     one_for_one = "".join(f"; {name!r} is now {new!r}" for name, new in pairs if new in known)
     replaced = ((name, parts) for name in former if (parts := parted(name)) and parts[0] in known)
     return one_for_one + "".join(
         f"; {name!r} is replaced by {' and '.join(map(repr, parts))}" for name, parts in replaced
     )
+
+
+def _output_now(name: str) -> str:
+    machine, dot, bare = name.rpartition(".")
+    return machine + dot + _OUTPUTS.get(bare, bare)
 
 
 def parted(name: str) -> tuple[str, ...]:

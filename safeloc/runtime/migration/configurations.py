@@ -1,4 +1,4 @@
-"""Conversion of configurations: times are durations in ms now, no longer numbers of cycles."""
+"""Conversion of configurations: fields have new names, and times are durations in ms, no longer numbers of cycles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.errors import InputError
-from safeloc.language.renamed import FIELDS
+from safeloc.language.renamed import FIELDS, TIMES
 from safeloc.runtime.migration.changes import Change
 from safeloc.runtime.outside import quoted, read_text
 
@@ -21,11 +21,11 @@ _PERIOD_MS = 1_000
 
 @dataclass(frozen=True)
 class _Field:
-    """A field of the old version: its name, its number of cycles, and the cycle length."""
+    """A field of the old version: its name, its value, and the value of the field of today."""
 
     name: str
-    cycles: int
-    period_ms: int
+    value: int
+    value_now: int
 
 
 def migrated(path: Path) -> tuple[str, tuple[Change, ...]]:
@@ -63,16 +63,19 @@ def _old_fields(path: Path, content: Mapping[str, Any]) -> Iterator[_Field]:
     for name, value in content.items():
         if name in FIELDS:
             if type(value) is not int or type(period_ms) is not int:
-                raise InputError(
-                    f"{path}: {name} is {quoted(value)} cycles of {quoted(period_ms)} ms; give whole numbers."
-                )
+                cycles = f" cycles of {quoted(period_ms)} ms" if name in TIMES else ""
+                raise InputError(f"{path}: {name} is {quoted(value)}{cycles}; give whole numbers.")
             if FIELDS[name] in content:
                 raise InputError(
                     f"{path}: has both {name!r} and {FIELDS[name]!r}, an old field and the new one; keep one."
                 )
-            yield _Field(name, value, period_ms)
+            yield _Field(name, value, _value_now(name, value, period_ms))
         elif isinstance(value, dict):
             yield from _old_fields(path, value)
+
+
+def _value_now(name: str, value: int, period_ms: int) -> int:
+    return value * period_ms if name in TIMES else value
 
 
 _TOML = r"(?m)^(?P<before>\s*)(?P<name>{name})(?P<between>\s*=\s*)(?P<value>{value})(?P<after>\s*(?:#.*)?)$"
@@ -85,8 +88,9 @@ def _rewritten(path: Path, text: str, field: _Field, form: str) -> tuple[str, Ch
     if at is None:
         raise InputError(f"{path}: {field.name} cannot be found in the text; change it by hand.")
     line = text.count("\n", 0, at.start("name")) + 1
-    made = f"{at['before']}{new}{at['between']}{field.cycles * field.period_ms}{at['after']}"
-    change = Change(f"{field.name} = {field.cycles}", f"{new} = {field.cycles * field.period_ms}", line)
+    value = at["value"] if field.value_now == field.value else field.value_now
+    made = f"{at['before']}{new}{at['between']}{value}{at['after']}"
+    change = Change(f"{field.name} = {field.value}", f"{new} = {field.value_now}", line)
     return text[: at.start()] + made + text[at.end() :], change
 
 
@@ -96,6 +100,6 @@ def _with(content: Mapping[str, Any]) -> dict[str, Any]:
     made: dict[str, Any] = {}
     for name, value in content.items():
         made[FIELDS.get(name, name)] = (
-            _with(value) if isinstance(value, dict) else value * period_ms if name in FIELDS else value
+            _with(value) if isinstance(value, dict) else _value_now(name, value, period_ms) if name in FIELDS else value
         )
     return made

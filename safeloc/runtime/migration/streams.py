@@ -17,6 +17,8 @@ from safeloc.runtime.streams.steps import SCHEMA
 
 KINDS = frozenset(kind.model_fields["kind"].default for kind in get_args(Record)) | {"cycle"}
 """Kinds of records, and of the line that ends a cycle."""
+_OWN_FIELDS = frozenset({"step_mm"})
+"""Former fields of records themselves."""
 _REPORT = ("interval_mm", "event", "outputs")
 """A line with one of these fields is a report of a process, and no input."""
 
@@ -68,6 +70,7 @@ def _names(path: Path, number: int, line: Mapping[str, Any]) -> Iterator[str]:
         if line["kind"] not in KINDS:
             raise StreamError(f"{path}:{number}: a line of kind {quoted(line['kind'])}; known are {sorted(KINDS)}.")
         yield from [line["name"]] if isinstance(line.get("name"), str) else []
+        yield from _OWN_FIELDS & line.keys()
     elif any(name in line for name in _REPORT):
         raise StreamError(f"{path}:{number}: a report of a process; nothing reads it, so it is not converted.")
     else:
@@ -98,4 +101,5 @@ def _with(line: dict[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
         made["first"] = {names.get(name, name): value for name, value in line.get("first", {}).items()}
         made["kept"] = [names.get(name, name) for name in line.get("kept", [])]
         return {name: value for name, value in made.items() if name in line}
-    return {**made, "name": names.get(line["name"], line["name"])} if "kind" in line else made
+    value_record = "kind" in line and isinstance(line.get("name"), str)
+    return {**made, "name": names.get(line["name"], line["name"])} if value_record else made

@@ -11,7 +11,6 @@ fault of its channel.
 from __future__ import annotations
 
 import csv
-import difflib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any, TypeVar, get_args
 from pydantic import ValidationError
 
 from safeloc.errors import InputError, StreamError, UnforeseenError
+from safeloc.language.renamed import hint, renamed
 from safeloc.runtime.border import Reason
 from safeloc.runtime.outside import quoted, refusal, shown, whole_number
 from safeloc.runtime.streams.files import (
@@ -171,6 +171,8 @@ def _of_its_kind(row: _Row) -> _Row:
 
 
 def _flaw(row: _Row, error: ValidationError) -> str:
+    if former := renamed(row, FIELDS):
+        return f"{former.removeprefix('; ')}: correct the name (safeloc migrate)."
     strange = [f"{shown(name)} is {value}" for name, value in row.items() if not_finite(value)]
     if strange:
         return f"{strange[0]}, no measurement; leave the record out if there is none."
@@ -219,9 +221,10 @@ def _refuse_unknown(path: Path, names: Iterable[str]) -> None:
     """Refuse a column that no record has, even an empty one: its name is misspelt."""
     for name in names:
         if name not in FIELDS:
-            close = difflib.get_close_matches(name, FIELDS, n=1)
-            hint = f" Did you mean {close[0]!r}?" if close else ""
-            raise StreamError(f"{path}:1: no record has a column {quoted(name)}; there are {', '.join(FIELDS)}.{hint}")
+            known = ", ".join(FIELDS)
+            raise StreamError(
+                f"{path}:1: no record has a column {quoted(name)}; there are {known}.{hint(name, FIELDS)}"
+            )
 
 
 def _value(name: str, text: str) -> int | bool | str:
