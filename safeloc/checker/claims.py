@@ -23,6 +23,7 @@ from safeloc.language.expr import TRUE, Bool, Expr, Num, NumVar, Optional, Var, 
 from safeloc.language.machine import Machine, Transition
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, FloorDiv
 from safeloc.language.ranges import beyond_int64
+from safeloc.language.read_twice import other_value, read_alike, reads_while_absent
 from safeloc.language.spec import Goal, Property, observe, reachable
 from safeloc.language.system import Part, TransitionSystem, environment, in_range
 from safeloc.language.terms import Substitution, in_order, variables
@@ -196,6 +197,7 @@ class Claims:
         yield "overflow of ghosts", lambda _: self._fits("overflow of ghosts", hidden, lawful=True)
         yield "overflow of first values", lambda _: proven(self._within("", [system.init]) <= self.theory.first_values)
         yield "absence", lambda _: proven(all(map(self._unread, [*self.theory.parts, ""])))
+        yield "absence in claims", lambda _: proven(all(map(self._independent, self.target.properties)))
         yield "assumption", self.runs.kept_for_a_while
         yield "assumption lasts", self._lasts
         yield "dead ends", lambda _: proven(self._goes_on(self.theory.together, system, lawful=True))
@@ -263,7 +265,7 @@ class Claims:
 
     def _unread_in(self, part: str, option: Optional, terms: Sequence[Expr]) -> bool:
         write, dag = self.theory.write, self.theory.dag
-        value, shown = write(option.value), self.theory.absent.get(f"{part}/{option.value.name}", Terms())
+        value, shown = write(option.value), self._shown_absent(part, option, lawful=False)
         absent = Rewriting(dag, {write(option.present): dag.truth[False]})
         other = Rewriting(dag, {value: write.named(option.value, f"{option.value.name} (other)")})
         return all(
@@ -272,6 +274,25 @@ class Claims:
             or _alike(dag, write(term), other(write(term))) in shown
             for term in terms
         )
+
+    def _shown_absent(self, part: str, option: Optional, *, lawful: bool) -> Terms:
+        """Return the terms over a step that are established while the input is absent."""
+        return self.theory.absent[part, option.value.name, lawful]
+
+    def _independent(self, prop: Property) -> bool:
+        """Return whether the property is the same whatever number is stored for an absent input; an inherited one on its machine."""
+        part, prop = ("", prop) if prop.kept_by is None else (_keeper(self.target.system, prop).name, prop.kept_by[1])
+        speaker = self.theory.speaker(part)
+        assert speaker is not None
+        return all(self._independent_of(part, speaker.system, prop, option) for option in speaker.system.optionals)
+
+    def _independent_of(self, part: str, system: TransitionSystem, prop: Property, option: Optional) -> bool:
+        if not reads_while_absent(prop, option):
+            return True
+        shown = self._shown_absent(part, option, lawful=False)
+        if not prop.unconditional:
+            shown |= self._shown_absent(part, option, lawful=True)
+        return self.theory.write.conjuncts([read_alike(system, prop, option, other_value(option))]) <= shown
 
     def _lasts(self, row: Row) -> Answer:
         """Check that the assumption can be satisfied for ever: by the facts about every state, or by a run that returns to a

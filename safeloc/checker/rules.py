@@ -6,11 +6,12 @@ possible, whatever basis the certificates name. A certificate may omit allowed h
     layer, induction, invariant         terms over state that hold in the first state and after every step: facts, properties
     wires, contract, overlap, overflow  terms over a step, from facts about the states before and after it
     implied, first state                properties that follow from facts; properties in the first state
-    absence, lasts, overflow of first values    obligations with hypotheses of their own
+    absence, absence under the assumption, lasts, overflow of first values    obligations with hypotheses of their own
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
@@ -168,6 +169,7 @@ class Theory:
     contracts  machines whose assumption is discharged as well
     proved     goals that hold in every run, with the files that prove it
     at_first   goals that hold in the first state, with the files that prove it
+    absent     terms over a step with an absent input, by machine, input, and whether the assumption is needed
     further    facts that were proved on the way to an obligation
     witnesses  terms proposed for inputs; nothing relies on them without a check
     """
@@ -185,7 +187,7 @@ class Theory:
         self.contracts: set[str] = set()
         self.proved: dict[Goal, Files] = {}
         self.at_first: dict[Goal, Files] = {}
-        self.absent: dict[str, Terms] = {}
+        self.absent = defaultdict[tuple[str, str, bool], Terms](Terms)
         self.first_values, self.further = Terms(), Terms()
         self.witnesses: list[Mapping[int, int]] = []
         self._pass_on()
@@ -298,18 +300,19 @@ class Theory:
     # -------------------------------------------------------------- obligations with hypotheses of their own
 
     def _absence(self, speaker: Speaker, one: Certificate) -> None:
-        """Establish that two copies of a step agree that differ in the value of an absent input only."""
+        """Establish that two copies of a step agree that differ in the value of an absent input only; that no law reads it is
+        an obligation of its own, so the assumption may be one of both."""
         option = next((each for each in speaker.system.optionals if each.value.name == one.header.get("of")), None)
         if option is None:
             raise RefusedError("there is no such optional input")
         other = self.write.named(option.value, f"{option.value.name} (other)")
         if other in map(self.write, (*speaker.system.state, *speaker.system.inputs)):
             raise RefusedError("a variable has the name of the second copy")
-        ranges = self.write.conjuncts([in_range(speaker.system.inputs)])
-        ranges |= Rewriting(self.dag, {self.write(option.value): other}).all(ranges)
-        _only(one, ranges | speaker.always | {self.dag.make("not", [self.write(option.present)])})
-        key = f"{one.header.get('part', '')}/{option.value.name}"
-        self.absent[key] = self.absent.get(key, Terms()) | frozenset(one.goals) | self.dag.conjuncts(one.goals)
+        name, lawful = option.value.name, one.header["rule"] != "absence"
+        given = self.write.conjuncts([in_range(speaker.system.inputs), *([speaker.system.assume] if lawful else ())])
+        given |= Rewriting(self.dag, {self.write(option.value): other}).all(given)
+        _only(one, given | speaker.known(lawful=lawful) | {self.dag.make("not", [self.write(option.present)])})
+        self.absent[one.header.get("part", ""), name, lawful] |= frozenset(one.goals) | self.dag.conjuncts(one.goals)
 
     def _first_values(self, speaker: Speaker, one: Certificate) -> None:
         _only(one, speaker.ranges)
@@ -320,7 +323,7 @@ _RULES: Mapping[str, Callable[..., None]] = {
     "layer": Theory._layer,
     **dict.fromkeys(_STEPS, Theory._step),
     **dict.fromkeys(("induction", "implied", "invariant", "first state"), Theory._property),
-    "absence": Theory._absence,
+    **dict.fromkeys(("absence", "absence under the assumption"), Theory._absence),
     "overflow of first values": Theory._first_values,
     "lasts": Theory._on_the_way,
     "witnesses": lambda theory, _, one: theory.witnesses.extend(one.witnesses),

@@ -12,7 +12,6 @@ import typer
 from pydantic import BaseModel
 
 from safeloc.catalogue import Target, configured, load_target
-from safeloc.cli.absent_readings import print_absent_readings
 from safeloc.cli.around import AroundOptions, Proving, prove_around
 from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
@@ -122,10 +121,7 @@ def prove(
     proving = _Proving(only, Limits(depth=depth, seconds=seconds, seed=seed), jobs, store_in(cache), fresh, as_json)
     if configurations is None:
         loaded = load_target(target, config)
-        found = proving.findings(loaded)
-        if not as_json:
-            print_absent_readings([loaded])
-        raise typer.Exit(result(found, [loaded], as_json=as_json))
+        raise typer.Exit(result(proving.findings(loaded), [loaded], as_json=as_json))
     if config is not None:
         raise typer.BadParameter(
             "--config and --configurations exclude each other: give a file, or names of declared configurations."

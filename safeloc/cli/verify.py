@@ -14,7 +14,6 @@ from safeloc.assurance.margins.kept_margins import margins_of
 from safeloc.assurance.margins.kept_margins import stamp as margins_stamp
 from safeloc.assurance.mutation.strength import stamp, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
-from safeloc.cli.absent_readings import print_absent_readings
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import (
@@ -122,7 +121,6 @@ def verify(
     if as_json:
         print_json(report_data(findings, loaded, evidence_of, strengths, made, margins))
         raise typer.Exit(code(findings))
-    print_absent_readings(loaded)
     print_summary(findings, loaded)
     print_cached(findings, quiet=False)
     err.print(f"report: {page}", markup=False)

@@ -9,7 +9,9 @@ clause can be discharged as well; the other clauses of that machine are still as
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 
 from safeloc.errors import ModelError, declared_at
@@ -24,6 +26,9 @@ from safeloc.language.renamed import check_keywords
 from safeloc.language.spec import Property
 from safeloc.language.system import Part, TransitionSystem, absent_is_canonical, in_range, lower
 from safeloc.language.terms import Sharing, Substitution, variables
+
+_ChangeOfPlan = Callable[[Plan], Plan]
+_change_of_plan: ContextVar[_ChangeOfPlan] = ContextVar("change of plan", default=lambda plan: plan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,12 +104,28 @@ def compose(
     that reads a machine that is not earlier, and a wire that gives an on-board input the value of a ghost.
     """
     lowered = [(machine, lower(machine)) for machine in machines]
-    plan = Plan(name, machines, [system for _, system in lowered], wires, shared, discharge, declared_at())
+    given = Plan(name, machines, [system for _, system in lowered], wires, shared, discharge, declared_at())
+    plan = _change_of_plan.get()(given)
     check_plan(plan)
     merging = _Merging(plan)
     for machine, system in lowered:
         merging.add(machine, system)
     return merging.composition()
+
+
+@contextmanager
+def plans_changed(change: Callable[[Plan], Plan]) -> Iterator[None]:
+    """Compose with changed arguments: each `compose` inside this context, in this thread, takes what `change` makes of its own.
+
+    The module of a target calls `compose` itself, and then states claims about the result. So whoever asks for the same claims
+    with other wires cannot hand them over as an argument. Inside another such context, its change is applied first.
+    """
+    outer = _change_of_plan.get()
+    token = _change_of_plan.set(lambda plan: change(outer(plan)))
+    try:
+        yield
+    finally:
+        _change_of_plan.reset(token)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from safeloc.assurance.evidence.interval import HOLDS, holds_truth, valid_term, withdrawn_within
+from safeloc.assurance.evidence.known_runs import known_runs, run_that_goes_on
 from safeloc.assurance.evidence.top_event import hazard_claims
 from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before_step
 from safeloc.language.nodes import Value
@@ -24,6 +25,7 @@ from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, without
 from safeloc.proof.provers.bmc import Exhausted, search
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
+from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.target import Target
 
 End = Literal["contained", "withdrawn", "wrong", "hazard", "no hazard", "undecided", "no interval"]
@@ -88,6 +90,7 @@ def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str],
     for prop in target.properties:
         if prop.kind != "reachable":
             found = _with_claim(found, system, prop, limits, runs) if prop.name in asked else _kept(found, prop.name)
+    found = _with_longer_runs(found, target, system, limits, runs)
     return _with_hazard(_with_interval(found, target, system, asked, limits), target, runs)
 
 
@@ -106,6 +109,28 @@ def _with_claim(
         runs[prop.name] = _run(verdict.trace)
         return replace(found, lost={**found.lost, prop.name: len(verdict.trace.steps)})
     return replace(found, open_=(*found.open_, prop.name))
+
+
+def _with_longer_runs(
+    found: Effect, target: Target, system: TransitionSystem, limits: Limits, runs: dict[str, Run]
+) -> Effect:
+    """Search for runs that break the undecided claims and begin like known runs, or like those that break other claims."""
+    if not found.open_:
+        return found
+    begun = [*known_runs(target), *map(_recording, runs.values())]
+    for prop in target.properties:
+        if prop.name in found.open_:
+            goal = observe(system, replace(prop, kept_by=None))
+            trace = run_that_goes_on(goal, begun, limits)
+            if trace is not None:
+                runs[prop.name] = _run(trace)
+                lost = {**found.lost, prop.name: len(trace.steps)}
+                found = replace(found, lost=lost, open_=tuple(name for name in found.open_ if name != prop.name))
+    return found
+
+
+def _recording(run: Run) -> Recording:
+    return Recording(run.first, run.inputs)
 
 
 def _with_hazard(found: Effect, target: Target, runs: Mapping[str, Run]) -> Effect:
@@ -140,8 +165,14 @@ def _ended(found: Effect, target: Target, system: TransitionSystem, top: Propert
     if not isinstance(verdict, Violated) or verdict.trace is None:
         return replace(found, end="undecided")
     run = _run(verdict.trace)
+    wrong_for = [run]
     for cycles in CYCLES:
-        later = prove_one(observe(system, withdrawn_within(target, cycles)), limits)
+        goal = observe(system, withdrawn_within(target, cycles))
+        longer = run_that_goes_on(goal, list(map(_recording, wrong_for)), limits)
+        if longer is not None:
+            wrong_for.append(_run(longer))
+            continue
+        later = prove_one(goal, limits)
         if isinstance(later, Proved):
             return replace(found, end="withdrawn", within_cycles=cycles, run=run)
         if not isinstance(later, Violated):

@@ -16,8 +16,9 @@ from typing import Any
 
 from safeloc.assurance.source_places import Place, place_of
 from safeloc.errors import is_engine
-from safeloc.language import composition, spec, terms
+from safeloc.language import spec, terms
 from safeloc.language.checks.composition import Plan
+from safeloc.language.composition import plans_changed
 from safeloc.language.nodes import (
     Add,
     And,
@@ -72,6 +73,11 @@ class Places:
         if result is not node and all(result is not part for part in parts):
             self._from[result] = node
 
+    def composed(self, plan: Plan) -> Plan:
+        """Record the arguments of a `compose`, and return them unchanged."""
+        self.plans.append(plan)
+        return plan
+
 
 def _writer() -> FrameType:
     """Return the nearest calling frame outside of the engine."""
@@ -86,26 +92,17 @@ def noted() -> Iterator[Places]:
     """Record every node that is made or rewritten, and every `compose`, inside this context."""
     places = Places()
     plain = {kind: kind.__init__ for kind in _NOTED}
-    rebuilt, check_plan = terms.rebuilt, composition.check_plan  # type: ignore[attr-defined]
+    rebuilt = terms.rebuilt
     try:
         for kind in _NOTED:
             _set_init(kind, _noting(plain[kind], places))
         terms.rebuilt = spec.rebuilt = _tracing(rebuilt, places)  # type: ignore[assignment, attr-defined]
-        composition.check_plan = _keeping(check_plan, places)  # type: ignore[assignment, attr-defined]
-        yield places
+        with plans_changed(places.composed):
+            yield places
     finally:
-        composition.check_plan = check_plan  # type: ignore[attr-defined]
         terms.rebuilt = spec.rebuilt = rebuilt  # type: ignore[attr-defined]
         for kind in _NOTED:
             _set_init(kind, plain[kind])
-
-
-def _keeping(plain: Callable[[Plan], None], places: Places) -> Callable[[Plan], None]:
-    def check_plan(plan: Plan) -> None:
-        plain(plan)
-        places.plans.append(plan)
-
-    return check_plan
 
 
 def _set_init(kind: Any, init: Callable[..., None]) -> None:

@@ -6,15 +6,13 @@ otherwise a claim would still speak of the right wire, and could not detect the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from safeloc.assurance.mutation.declared import claimed
 from safeloc.assurance.mutation.members import Composed, asked_of_the_whole, in_variables_of, joined
-from safeloc.language import composition
 from safeloc.language.checks.composition import Plan
+from safeloc.language.composition import plans_changed
 from safeloc.language.expr import Expr, Var, before_step
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
@@ -37,7 +35,7 @@ def rewired(composed: Composed, wires: Mapping[Var, Expr]) -> Rewired:
     """
     made, wrong = list[Plan](), _changed(composed.plan.wires, wires)
     if composed.again is not None:
-        with _composing(lambda plan: _wired(plan, composed.plan, wrong, made)):
+        with plans_changed(lambda plan: _wired(plan, composed.plan, wrong, made)):
             target = composed.again()
         if made:
             like = composed.target.system
@@ -74,21 +72,6 @@ def _names(machines: Sequence[Machine]) -> list[str]:
 
 def _variables(system: TransitionSystem) -> tuple[Var, ...]:
     return (*system.state, *system.inputs)
-
-
-@contextmanager
-def _composing(change: Callable[[Plan], Plan]) -> Iterator[None]:
-    """Change the plan of each composition that is made inside this context."""
-    plain = composition.Plan  # type: ignore[attr-defined]
-
-    def plan(*given: Any) -> Plan:
-        return change(plain(*given))
-
-    try:
-        composition.Plan = plan  # type: ignore[attr-defined, assignment]
-        yield
-    finally:
-        composition.Plan = plain  # type: ignore[attr-defined]
 
 
 class _Renaming(Substitution):

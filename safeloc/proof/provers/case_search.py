@@ -31,7 +31,7 @@ class CaseSearch:
         recordings: Sequence[Recording],
         witnesses: Witnesses,
     ) -> None:
-        self._system, self._properties, self._limits = system, properties, limits
+        self._system, self.properties, self._limits = system, properties, limits
         self._recordings, self._witnesses = recordings, witnesses
         self._seconds: float | None = None
         self._waiting = list[Callable[[float], None]]()
@@ -45,11 +45,11 @@ class CaseSearch:
 
     def begin_known_runs(self, queue: Queue) -> None:
         """Add the look through known runs, unless all cases are known from an earlier search."""
-        if antecedents.all_known(self._system, self._properties, self._limits, len(self._recordings)):
+        if antecedents.all_known(self._system, self.properties, self._limits, len(self._recordings)):
             self._end(0.0)
             return
         task = antecedents.known_runs_task(
-            self._system, self._properties, self._limits, self._recordings, self._witnesses
+            self._system, self.properties, self._limits, self._recordings, self._witnesses
         )
         queue.add(task, partial(self._receive_known_runs, queue))
 
@@ -63,7 +63,7 @@ class CaseSearch:
         self, queue: Queue, shown: Mapping[int, antecedents.Outcome] | Lost, seconds: float
     ) -> None:
         self._shown = {} if isinstance(shown, Lost) else shown
-        every = len(antecedents.all_cases(self._properties))
+        every = len(antecedents.all_cases(self.properties))
         if len(self._shown) == every:
             self._remember([self._shown[number] for number in range(every)], seconds)
         elif self._search_asked:
@@ -71,7 +71,7 @@ class CaseSearch:
 
     def _search(self, queue: Queue, shown: Mapping[int, antecedents.Outcome]) -> None:
         task = antecedents.search_task(
-            self._system, self._properties, self._limits, self._recordings, self._witnesses, shown
+            self._system, self.properties, self._limits, self._recordings, self._witnesses, shown
         )
         queue.add(task, self._remember)
 
@@ -88,10 +88,10 @@ class CaseSearch:
 
     def obligations(self) -> list[Obligation]:
         """Return the obligation that all cases occur, and one for each run that a search found."""
-        return list(antecedents.found(self._system, self._properties).obligation())
+        return list(antecedents.found(self._system, self.properties).obligation())
 
     def _remember(self, outcomes: Any | Lost, seconds: float) -> None:
-        antecedents.remember(self._system, self._properties, self._limits, len(self._recordings), outcomes)
+        antecedents.remember(self._system, self.properties, self._limits, len(self._recordings), outcomes)
         self._end(seconds)
 
     def _end(self, seconds: float) -> None:

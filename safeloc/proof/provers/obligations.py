@@ -4,7 +4,7 @@ ranges       every state variable stays in its declared range, for ALL inputs in
 overflow     no intermediate term leaves 64 bits
 division     every divisor is a positive constant
 overlap      two transitions of one rank are never enabled together in a reachable state
-absence      the value of an absent optional input is never read
+absence      the value of an absent optional input is never read, and no claim depends on it (if properties are given)
 antecedents  every case of every property occurs (if properties are given)
 reachable    every mode and every transition occurs in some run, under the assumption or without it; the run is the witness
 assumption   the assumption can be satisfied (by a witness), for ever, and from every reachable state
@@ -23,6 +23,7 @@ from safeloc.language.system import TransitionSystem, first_without_the_world
 from safeloc.language.verdict import Proved, Unknown
 from safeloc.proof.drawn_runs.quick import Again
 from safeloc.proof.provers.absence import absence
+from safeloc.proof.provers.absent_in_claims import absence_in_claims
 from safeloc.proof.provers.arithmetic import division, overflow, ranges
 from safeloc.proof.provers.assumption import assumption_kept
 from safeloc.proof.provers.case_search import CaseSearch
@@ -47,8 +48,8 @@ CHECKS: dict[str, Check] = {
     "assumption": assumption_kept,
 }
 """The checks that are one task each; modes and transitions take two, and the cases of properties have a search of their own."""
-REACHABLE, CASES = "reachable", "cases"
-ORDER = ("ranges", "overflow", "division", "overlap", "absence", REACHABLE, "assumption", CASES)
+REACHABLE, CLAIMS, CASES = "reachable", "absence in claims", "cases"
+ORDER = ("ranges", "overflow", "division", "overlap", "absence", CLAIMS, REACHABLE, "assumption", CASES)
 SEARCHES = 5  # searches of one check, each with the full time limit; and one more for each machine
 
 
@@ -114,7 +115,8 @@ class Obliging:
     def begin_checks(self, queue: Queue) -> None:
         """Add every check that is one task."""
         lasting: Check = partial(assumption_kept, recordings=self._recordings)
-        for name, check in {**CHECKS, "assumption": lasting}.items():
+        in_claims: Check = partial(absence_in_claims, self._cases.properties)
+        for name, check in {**CHECKS, "assumption": lasting, CLAIMS: in_claims}.items():
             self._add(queue, name, partial(check, self._system, self._limits), partial(self._receive, name))
 
     def begin_known_runs(self, queue: Queue) -> None:

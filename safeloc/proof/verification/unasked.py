@@ -11,7 +11,8 @@ from dataclasses import replace
 from safeloc.language.composed_names import contract_text
 from safeloc.language.expr import TRUE
 from safeloc.language.verdict import NotAsked, Vacuous
-from safeloc.proof.provers.obligations import CHECKS
+from safeloc.proof.provers.absent_in_claims import some_read
+from safeloc.proof.provers.obligations import CHECKS, CLAIMS
 from safeloc.proof.results import Finding, Kind
 from safeloc.target import Target
 
@@ -83,6 +84,8 @@ def _lemmas_and_obligations(target: Target) -> Iterator[tuple[Kind, str, str]]:
     for check in CHECKS:
         if check != "overlap":  # one of each machine
             yield "obligation", check, f"built-in check {check}"
+    if some_read(target.properties, target.system):
+        yield "obligation", CLAIMS, f"built-in check {CLAIMS}"
     for machine in target.machines:
         yield "obligation", f"overlap {machine.name}", "built-in check overlap"
         for mode in machine.modes:

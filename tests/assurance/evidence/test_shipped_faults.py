@@ -1,0 +1,48 @@
+"""Broken laws of shipped machines whose effect only a run from a known run, or a weaker lemma, decides."""
+
+from __future__ import annotations
+
+import pytest
+
+from safeloc.assurance.evidence.effects import End, effect
+from safeloc.assurance.evidence.interval import HOLDS
+from safeloc.assurance.law_ids import ids_of
+from safeloc.catalogue import load_target
+from safeloc.language.spec import observe
+from safeloc.language.verdict import word
+from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, without
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove_one
+from safeloc.target import Target
+
+LIMITS = Limits(seconds=40)
+
+
+def law(target: Target, wanted: str) -> ClauseId:
+    """The law with this id."""
+    return next(one for one in assumed_clauses(target.system) if ids_of(target)[one] == wanted)
+
+
+def test_a_train_passes_whatever_ended_the_passage_before() -> None:
+    """A passage that is reported as over while its train runs on costs the count, not the distance after the last axle."""
+    target = load_target("axle_counter")
+    system = without(target.system, [law(target, "axle_counter/A3")])
+    claim = next(one for one in target.properties if one.name == "the whole train has passed")
+    assert "proved" == word(prove_one(observe(system, claim), LIMITS))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("name", "broken", "claims", "end"),
+    [
+        ("unlinked_group", "unlinked_group/A1", {"containment"}, "wrong"),
+        ("arbitration", "arbitration/A5", {"containment"}, "wrong"),
+        ("satellite_drift", "satellite/position/A1", {"common drift is bounded"}, "wrong"),
+        ("axle_counter", "axle_counter/A6", {"length is true", "place is true", "count is true"}, "hazard"),
+    ],
+)
+def test_its_effect_is_decided(name: str, broken: str, claims: set[str], end: End) -> None:
+    """A wrong interval that lasts, or a hazard that a whole passage leads to."""
+    target = load_target(name)
+    one = effect(target, (law(target, broken),), claims | {HOLDS}, LIMITS)
+    assert (end, (), claims) == (one.end, one.open_, {*one.lost})
