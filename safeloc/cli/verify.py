@@ -40,8 +40,9 @@ from safeloc.proof.results import Finding
 from safeloc.proof.verification.many import in_order, verify_targets
 from safeloc.proof.verification.memory import Memory
 from safeloc.proof.verification.one import Plan
+from safeloc.report.copied import copied_to
 from safeloc.report.data import NOT_ASKED, report_data
-from safeloc.report.folder import PAGE, cleared, files_of, usable, write_folder
+from safeloc.report.folder import JUNIT, PAGE, SARIF, cleared, files_of, usable, write_folder
 from safeloc.report.made_by import made_by
 from safeloc.report.proof_evidence import evidence_data
 
@@ -80,6 +81,15 @@ def verify(
         ),
     ] = False,
     single: SingleOption = False,
+    sarif: Annotated[
+        Path | None,
+        typer.Option(
+            "--sarif", metavar="FILE", help="also write what does not hold as SARIF, for editors and code hosts"
+        ),
+    ] = None,
+    junit: Annotated[
+        Path | None, typer.Option("--junit", metavar="FILE", help="also write all results as JUnit XML, for CI servers")
+    ] = None,
     again: WatchOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -95,7 +105,9 @@ def verify(
     store = store_in(cache)
     key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store), margins_stamp(store))
     usable(folder)
+    copies = copied_to(folder, {SARIF: sarif, JUNIT: junit})
     if not fresh and _put_back(kept_report(store, key), folder):
+        copies()
         _checked(folder, jobs, 0, wanted=check)
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
@@ -118,6 +130,7 @@ def verify(
         margins=margins,
         on_written=keep_it,
     )
+    copies()
     store.trim()
     if as_json:
         print_json(report_data(findings, loaded, evidence_of, strengths, made, margins))
