@@ -12,6 +12,8 @@ import typer
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.margins.kept_margins import margins_of
 from safeloc.assurance.margins.kept_margins import stamp as margins_stamp
+from safeloc.assurance.mutation.kept_score import scores_of
+from safeloc.assurance.mutation.kept_score import stamp as scores_stamp
 from safeloc.assurance.mutation.strength import stamp, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.absent_readings import print_absent_readings
@@ -103,7 +105,8 @@ def verify(
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed, quick)
     store = store_in(cache)
-    key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store), margins_stamp(store))
+    stamps = (stamp(store), margins_stamp(store), scores_stamp(store))
+    key = None if as_json else report_key(names, config, plan, single, evidence, *stamps)
     usable(folder)
     copies = copied_to(folder, {SARIF: sarif, JUNIT: junit})
     if not fresh and _put_back(kept_report(store, key), folder):
@@ -118,7 +121,8 @@ def verify(
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    strengths, made, margins = strengths_of(store, loaded), _made(plan), margins_of(store, loaded)
+    strengths, made = strengths_of(store, loaded), _made(plan)
+    margins, scores = margins_of(store, loaded), scores_of(store, loaded)
     page = write_folder(
         folder,
         findings,
@@ -128,12 +132,13 @@ def verify(
         single=single,
         made=made,
         margins=margins,
+        scores=scores,
         on_written=keep_it,
     )
     copies()
     store.trim()
     if as_json:
-        print_json(report_data(findings, loaded, evidence_of, strengths, made, margins))
+        print_json(report_data(findings, loaded, evidence_of, strengths, made, margins, scores))
         raise typer.Exit(code(findings))
     print_absent_readings(loaded)
     print_summary(findings, loaded)
