@@ -210,7 +210,7 @@ class View {
     const after = element("td", { class: "n" });
     const button = element("button", { class: "quiet", onclick: () => this.plot(name), "aria-label": `chart of ${name}` }, "chart");
     const unit = signal?.unit ?? "";
-    const row = element("tr", {}, element("th", { scope: "row" }, element("code", {}, name)), before, after, element("td", {}, unit), element("td", {}, button));
+    const row = element("tr", {}, element("th", { scope: "row" }, element("code", {}, ...apartAtMarks(name))), before, after, element("td", {}, unit), element("td", {}, button));
     this.values.push({ kind, name, lower: name.toLowerCase(), signal, values, row, button, cells: { before, after }, texts: {} });
     return row;
   }
@@ -467,6 +467,9 @@ const memberOf = (data, trace) => (data.parts.length > 1 && trace.machine.starts
 
 /* "machine: name" in its two parts. */
 const apart = (text) => [text.slice(0, text.indexOf(": ")), text.slice(text.indexOf(": ") + 2)];
+
+/* A name that goes over lines ends them at its own marks, not within a word. */
+const apartAtMarks = (name) => name.split(/(?<=[._])/).flatMap((part, at) => (at ? [element("wbr"), part] : [part]));
 
 function write(one, cell, text) {
   if (one.texts[cell] !== text) one.cells[cell].textContent = one.texts[cell] = text;
