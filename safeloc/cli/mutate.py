@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from safeloc.assurance.mutation.analysis import Analysis
+from safeloc.assurance.mutation.kept_score import keep_score
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.reasons import Reasons, read_reasons, shipped_reasons
 from safeloc.assurance.mutation.results import SCHEMA, Of, as_data
@@ -92,6 +93,8 @@ def mutate(
         found = analysis.of(parts)
     if not only:
         keep_strengths(store, loaded, found.judged, found.of)
+    if not only and parts == ["machine"]:
+        keep_score(store, loaded, found.judged, found.of, found.reasons)
     took = time.monotonic() - began
     if as_json:
         print_json(as_data(loaded.name, found.judged, of=found.of, seed=seed, seconds=took, reasons=found.reasons))

@@ -12,6 +12,8 @@ import typer
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.margins.kept_margins import margins_of
 from safeloc.assurance.margins.kept_margins import stamp as margins_stamp
+from safeloc.assurance.mutation.kept_score import scores_of
+from safeloc.assurance.mutation.kept_score import stamp as scores_stamp
 from safeloc.assurance.mutation.strength import stamp, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.console import err, out, print_json
@@ -39,8 +41,9 @@ from safeloc.proof.results import Finding
 from safeloc.proof.verification.many import in_order, verify_targets
 from safeloc.proof.verification.memory import Memory
 from safeloc.proof.verification.one import Plan
+from safeloc.report.copied import copied_to
 from safeloc.report.data import NOT_ASKED, report_data
-from safeloc.report.folder import PAGE, cleared, files_of, usable, write_folder
+from safeloc.report.folder import JUNIT, PAGE, SARIF, cleared, files_of, usable, write_folder
 from safeloc.report.made_by import made_by
 from safeloc.report.proof_evidence import evidence_data
 
@@ -79,6 +82,15 @@ def verify(
         ),
     ] = False,
     single: SingleOption = False,
+    sarif: Annotated[
+        Path | None,
+        typer.Option(
+            "--sarif", metavar="FILE", help="also write what does not hold as SARIF, for editors and code hosts"
+        ),
+    ] = None,
+    junit: Annotated[
+        Path | None, typer.Option("--junit", metavar="FILE", help="also write all results as JUnit XML, for CI servers")
+    ] = None,
     again: WatchOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -92,9 +104,12 @@ def verify(
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed, quick)
     store = store_in(cache)
-    key = None if as_json else report_key(names, config, plan, single, evidence, stamp(store), margins_stamp(store))
+    stamps = (stamp(store), margins_stamp(store), scores_stamp(store))
+    key = None if as_json else report_key(names, config, plan, single, evidence, *stamps)
     usable(folder)
+    copies = copied_to(folder, {SARIF: sarif, JUNIT: junit})
     if not fresh and _put_back(kept_report(store, key), folder):
+        copies()
         _checked(folder, jobs, 0, wanted=check)
         raise typer.Exit(0)
     loaded = _distinct([load_target(name, config) for name in names])
@@ -105,7 +120,8 @@ def verify(
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    strengths, made, margins = strengths_of(store, loaded), _made(plan), margins_of(store, loaded)
+    strengths, made = strengths_of(store, loaded), _made(plan)
+    margins, scores = margins_of(store, loaded), scores_of(store, loaded)
     page = write_folder(
         folder,
         findings,
@@ -115,11 +131,13 @@ def verify(
         single=single,
         made=made,
         margins=margins,
+        scores=scores,
         on_written=keep_it,
     )
+    copies()
     store.trim()
     if as_json:
-        print_json(report_data(findings, loaded, evidence_of, strengths, made, margins))
+        print_json(report_data(findings, loaded, evidence_of, strengths, made, margins, scores))
         raise typer.Exit(code(findings))
     print_summary(findings, loaded)
     print_cached(findings, quiet=False)

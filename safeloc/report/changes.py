@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from safeloc.language.verdict import WORST_FIRST
+from safeloc.report.mutation_words import share
 
 _Data = Mapping[str, Any]
 _GOOD = ("proved", "held")
@@ -60,6 +61,7 @@ def changes(old: _Data, new: _Data) -> Changes:
         "requirements": [*_named_values(_requirements(old), _requirements(new))],
         "laws": [*_laws(old, new)],
         "figures": [*_named_values(_figures(old), _figures(new))],
+        "mutation scores": [*_named_values(_scores(old), _scores(new))],
         "machines": [*_machines(old, new)],
         "made with": [*_named_values(_made_with(old), _made_with(new))],
     }
@@ -152,6 +154,16 @@ def _law_terms(report: _Data) -> dict[str, tuple[str, ...]]:
         for machine in report["machines"]
         for part in machine["parts"]
         for law in part["clauses"]
+    }
+
+
+def _scores(report: _Data) -> dict[str, str]:
+    """Return the scores that were measured; a report of an earlier version has none."""
+    found = {machine["name"]: machine.get("mutation") for machine in report["machines"]}
+    return {
+        name: f"{share(score)}, {score['judged']} of {score['mutants']} judged"
+        for name, score in found.items()
+        if score
     }
 
 

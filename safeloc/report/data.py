@@ -46,6 +46,7 @@ def report_data(
     strengths: Strengths | None = None,
     made: Mapping[str, Any] | None = None,
     margins: Mapping[str, Any] = NOT_ASKED,
+    scores: Mapping[str, Any] = NOT_ASKED,
 ) -> dict[str, Any]:
     """Return the complete report as JSON-ready data.
 
@@ -53,6 +54,7 @@ def report_data(
     strengths  strength of the evidence for each requirement, if available
     made       command, limits, seed and commit (safeloc.report.made_by), if a command makes the report
     margins    target's name -> how far its figures may move (safeloc.assurance.margins.kept_margins), where that was found
+    scores     target's name -> how many wrong machines a proof notices (safeloc.assurance.mutation.kept_score), where that was measured
     """
     targets = list(targets)
     traced = traceability(targets)
@@ -62,6 +64,7 @@ def report_data(
             "pictures": _pictures(target, findings),
             "evidence": evidence.get(target.name),
             "margins": margins.get(target.name),
+            "mutation": scores.get(target.name),
         }
         for target in targets
     ]

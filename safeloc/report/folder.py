@@ -73,6 +73,7 @@ def write_folder(
     strengths: Strengths | None = None,
     made: Mapping[str, Any] | None = None,
     margins: Mapping[str, Any] = NOT_ASKED,
+    scores: Mapping[str, Any] = NOT_ASKED,
     on_written: Callable[[], None] = lambda: None,
 ) -> Path:
     """Write the report and return the path of the page. Files of an earlier report in this folder are removed.
@@ -82,12 +83,13 @@ def write_folder(
     strengths   strength of the evidence for each requirement, as far as it was measured
     made        command, limits, seed and commit (safeloc.report.made_by), if a command writes the report
     margins     target's name -> how far its figures may move, where that was found
+    scores      target's name -> how many wrong machines a proof notices, where that was measured
     on_written  called after everything is written, before another run can write here
 
     If two runs write into one folder at once, the second one waits, so that a report is always of one run.
     InputError if the folder cannot be written.
     """
-    everything = report_data(findings, targets, evidence, strengths, made, margins)
+    everything = report_data(findings, targets, evidence, strengths, made, margins, scores)
     archives = certificates.archives(findings)
     runs = _runs(findings)
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}

@@ -28,6 +28,7 @@ from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, 
 from safeloc.report.held_in import recordings, statements
 from safeloc.report.links import Links, anchor, linked
 from safeloc.report.margins import first_page_row, margins_shown
+from safeloc.report.mutation_words import score_words
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.traces import trace_charts, trace_rows
@@ -239,6 +240,7 @@ def _machine(
         "statements": statements(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped
         "rests": _rests(machine["evidence"]),
+        "score": score_words(machine.get("mutation")),
         "margins": _drawn(margins_shown(machine.get("margins"))),
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in of_machine if row["kind"] in ("obligation", "lemma")],

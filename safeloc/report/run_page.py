@@ -29,7 +29,7 @@ RUN_PAGE, VIEW = "run.html", ".view.js"
 VIEW_FUNCTION, MACHINE_FUNCTION = "safelocView", "safelocScript"
 """The functions of the page that take what belongs to a machine beside its runs, and the machine itself."""
 _HERE = Path(__file__).parent
-SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions", "words")
+SHARED, OVERVIEW = ("dom", "packed"), ("overview", "conditions", "words", "scrolled")
 RUNS = ("runs", "charts", "interval", "strip", "diagram", "parts", "live", "branch", "watch", "view", "control")
 """Scripts of explorer/, in the order in which they use each other."""
 _DEFENCE = re.compile(r"(?:of the machine by itself, )?a defence: ")

@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from safeloc.assurance.mutation.kept_score import scores_of
+from safeloc.catalogue import load_target
+from safeloc.proof.cache.store import Store
 from tests.cli.calling import Call
 
 SPEC = "tests.assurance.mutation.brake:machine"
@@ -23,13 +26,15 @@ def test_lines(call: Call, tmp_path: Path) -> None:
 
 
 def test_json_of_a_sample(call: Call, tmp_path: Path) -> None:
-    """So many mutants as asked for, and the same again from what was kept."""
+    """So many mutants as asked for, and the same again from what was kept; its score is kept for reports, not that of one mutant."""
     command = ("mutate", SPEC, "--sample", "5", "--seed", "2", "--cache", str(tmp_path), "--json")
     first, again = (json.loads(call(*command).out) for _ in range(2))
     assert ("safeloc-mutation/1", 5) == (first["schema"], first["judged"])
     assert first["results"] == again["results"]
     [one] = json.loads(call(*command, "--mutant", first["results"][0]["id"]).out)["results"]
     assert first["results"][0] == one
+    kept = scores_of(Store(tmp_path), [load_target(SPEC)])["brake"]
+    assert (5, first["everywhere"]["killed_by_proof"]) == (kept["judged"], kept["by_proof"])
 
 
 def test_an_unknown_mutant(call: Call, tmp_path: Path) -> None:

@@ -187,8 +187,8 @@ def test_step_through_a_violation(page: Page, report: Path) -> None:
 def value(page: Page, name: str) -> list[str]:
     """What the table says of a name: before and after."""
     return [str(cell) for cell in page.js(
-        "[...document.querySelectorAll('#run-values tr')].find(r => r.cells[0].textContent === arguments[0] && !r.hidden)"
-        "?.innerText.split('\\t').slice(1, 3) ?? []", name)]  # fmt: skip
+        "Array.from([...document.querySelectorAll('#run-values tr')].find(r => r.cells[0].textContent === arguments[0] && !r.hidden)"
+        "?.cells ?? [], cell => cell.textContent)", name)][1:3]  # fmt: skip
 
 
 def test_values_before_and_after(page: Page, report: Path) -> None:

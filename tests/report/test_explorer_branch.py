@@ -200,7 +200,7 @@ def test_as_recorded_except_what_is_yours(page: Page, pages: Path) -> None:
     filled(page, "run-if-most", "4")
     page.click("#run-if-on")
     page.until("document.getElementById('run-slider').value === '4'")
-    inputs = page.js("[...document.querySelectorAll('#run-steps tbody tr')].slice(1).map(r => r.cells[2].innerText)")
+    inputs = page.js("[...document.querySelectorAll('#run-steps tbody tr')].slice(1).map(r => r.cells[2].textContent)")
     assert [f"age_ms = 5{NARROW_SPACE}000" in one for one in inputs] == [True] * 4
     assert ["go = true" in one for one in inputs] == [bool(one["go"]) for one in keeper.QUIET[:4]]
     page.click("#run-if-inputs .own:not([hidden])")
@@ -331,10 +331,10 @@ def test_a_branch_is_in_its_link(page: Page, pages: Path) -> None:
     assert json.loads(link["take"][0]) == [[1, {"age_ms": 500}], [1, {"age_ms": 500}]] or json.loads(
         link["take"][0]
     ) == [[2, {"age_ms": 500}]]
-    shown = page.js("document.getElementById('run-steps').innerText")
+    shown = page.js("document.getElementById('run-steps').textContent")
     opened(page, pages, str(page.js("location.hash")))
     page.until("document.getElementById('run').classList.contains('branching')")
-    assert page.js("document.getElementById('run-steps').innerText") == shown
+    assert page.js("document.getElementById('run-steps').textContent") == shown
     assert page.js("document.getElementById('run-slider').value") == "5"
     assert page.said() == []
 

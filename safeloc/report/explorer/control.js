@@ -289,7 +289,7 @@ function branching(on) {
 function branchOff() {
   const { live, trace, step } = view;
   begin(new Branch(trace, live, step), live);
-  place("run-if-title").scrollIntoView({ block: "nearest" });
+  place("run-if-title").scrollIntoView({ block: matchMedia("(max-width: 600px)").matches ? "start" : "nearest" }); // on a phone the charts stand before the form
 }
 
 /* A step early in the longest stretch with a valid position, for somebody who wants to see what becomes of it. */

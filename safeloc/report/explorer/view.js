@@ -3,6 +3,8 @@
 const BOUND = 28; // height of a row of the table of steps, in pixels
 const MOST_PLAIN = 200; // a longer run shows only the rows around the cursor
 const MOST_LETTERS = 160; // of a cell in that table; on paper all of them
+const IN_SIGHT = 16; // rows of that table
+const AROUND = 10; // rows that are drawn above those in sight, and twice as many below
 
 class View {
   constructor(data, trace, moved) {
@@ -199,18 +201,20 @@ class View {
     for (const kind of ["inputs", "state", "outputs"]) {
       const columns = this.columns(kind);
       if (!columns.length) continue;
-      const body = element("tbody", {}, element("tr", {}, element("th", { colspan: 5, scope: "rowgroup" }, kind)));
+      const head = element("tr", { role: "row" }, element("th", { colspan: 5, scope: "rowgroup", role: "rowheader" }, kind));
+      const body = element("tbody", { role: "rowgroup" }, head);
       for (const column of columns) body.append(this.valueRow(kind, column));
       table.append(body);
     }
   }
 
   valueRow(kind, { name, signal, values }) {
-    const before = element("td", { class: "n" });
-    const after = element("td", { class: "n" });
+    const cell = (given, ...inside) => element("td", { role: "cell", ...given }, ...inside);
+    const [before, after] = [cell({ class: "n" }), cell({ class: "n" })];
     const button = element("button", { class: "quiet", onclick: () => this.plot(name), "aria-label": `chart of ${name}` }, "chart");
     const unit = signal?.unit ?? "";
-    const row = element("tr", {}, element("th", { scope: "row" }, element("code", {}, name)), before, after, element("td", {}, unit), element("td", {}, button));
+    const head = element("th", { scope: "row", role: "rowheader" }, element("code", {}, ...apartAtMarks(name)));
+    const row = element("tr", { role: "row" }, head, before, after, cell({}, unit), cell({}, button));
     this.values.push({ kind, name, lower: name.toLowerCase(), signal, values, row, button, cells: { before, after }, texts: {} });
     return row;
   }
@@ -226,8 +230,8 @@ class View {
   /* Draws the rows that can be seen; of a short run all of them, and on paper all of them in full. */
   rowsAround(first, paper = false) {
     const all = paper || this.trace.steps <= MOST_PLAIN;
-    const from = all ? 0 : Math.max(0, Math.floor(first / 10) * 10 - 20);
-    const to = all ? this.trace.steps : Math.min(this.trace.steps, from + 60);
+    const from = all ? 0 : Math.max(0, (Math.floor(first / AROUND) - 1) * AROUND);
+    const to = all ? this.trace.steps : Math.min(this.trace.steps, from + IN_SIGHT + 3 * AROUND);
     const drawnNow = `${from} ${to} ${this.part} ${paper}`;
     if (this.drawnFrom === drawnNow) return;
     this.drawnFrom = drawnNow;
@@ -240,10 +244,11 @@ class View {
 
   stepRow(step, most) {
     const fired = step ? this.firedAt(step).map(([, name]) => name).join(", ") : "start";
-    const texts = [fired, step ? this.told("inputs", step, most) : "", this.told("state", step, most)];
-    const cells = texts.map((text) => element("td", {}, element("div", {}, text)));
+    const texts = [cut(fired, most), step ? this.told("inputs", step, most) : "", this.told("state", step, most)];
+    const cells = texts.map((text) => element("td", { role: "cell" }, element("div", {}, text)));
     const button = element("button", { class: "quiet", onclick: () => this.show(step), "aria-label": `to step ${step}` }, String(step));
-    return element("tr", { "data-step": step, class: this.broken.some(([, at]) => at === step) ? "breaks" : null }, element("td", { class: "n" }, button), ...cells);
+    const breaks = this.broken.some(([, at]) => at === step);
+    return element("tr", { role: "row", "data-step": step, class: breaks ? "breaks" : null }, element("td", { class: "n", role: "cell" }, button), ...cells);
   }
 
   told(kind, step, most) {
@@ -251,9 +256,9 @@ class View {
     for (const { name, signal, values } of this.columns(kind)) {
       if (values[step] === null || (kind === "state" && step && values[step] === values[step - 1])) continue;
       text += `${text ? ",  " : ""}${name} = ${shown(values[step], signal)}`;
-      if (text.length > most) return `${text.slice(0, most)}\u2026`;
+      if (text.length > most) break;
     }
-    return text;
+    return cut(text, most);
   }
 
   /* ---------------------------------------------------- at the cursor */
@@ -467,6 +472,11 @@ const memberOf = (data, trace) => (data.parts.length > 1 && trace.machine.starts
 
 /* "machine: name" in its two parts. */
 const apart = (text) => [text.slice(0, text.indexOf(": ")), text.slice(text.indexOf(": ") + 2)];
+
+/* A name that goes over lines ends them at its own marks, not within a word. */
+const apartAtMarks = (name) => name.split(/(?<=[._])/).flatMap((part, at) => (at ? [element("wbr"), part] : [part]));
+
+const cut = (text, most) => (text.length > most ? `${text.slice(0, most)}\u2026` : text);
 
 function write(one, cell, text) {
   if (one.texts[cell] !== text) one.cells[cell].textContent = one.texts[cell] = text;
