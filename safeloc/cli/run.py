@@ -22,10 +22,11 @@ from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
-from safeloc.runtime.service.loop import Loop, Parts, exit_code
+from safeloc.runtime.service.loop import Loop, exit_code
 from safeloc.runtime.service.messages import VEHICLE
 from safeloc.runtime.service.outlets import Outlet, Stdout, ToFile
 from safeloc.runtime.service.saving import Saver, claimed, read_saved
+from safeloc.runtime.service.station import Parts, Station
 from safeloc.runtime.service.supervised import Supervised
 from safeloc.runtime.service.tcp import TcpPort
 from safeloc.runtime.service.udp import UdpPort
@@ -118,14 +119,11 @@ def run(
     )()  # no other kind of selector accepts a file as standard input
     feed = _feed(source, journal, to_its_end=to_its_end)
     watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
-    outlet, supervised = _outlet(sink, feed, selector), Supervised(alive)
-    parts = Parts(selector, feed, outlet, fleet, journal, None, every_ms / 1_000, watchdog, supervised)
+    parts = Parts(feed, _outlet(sink, feed, selector), fleet, journal, None, every_ms / 1_000, watchdog)
     with claimed(snapshot):
-        if snapshot is None:
-            Loop(parts).run()
-        else:
-            _run_from(snapshot, replace(parts, saver=Saver(snapshot)), fresh=fresh)
-    raise typer.Exit(exit_code(fleet))
+        station = Station(parts) if snapshot is None else _resumed(snapshot, parts, fresh=fresh)
+        Loop(station, selector, journal, Supervised(alive)).run()
+    raise typer.Exit(exit_code(station))
 
 
 def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: Path | None) -> None:
@@ -138,16 +136,16 @@ def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: 
             raise InputError(f"{file}: given for {one} and for {other}; give each its own file.")
 
 
-def _run_from(snapshot: Path, parts: Parts, *, fresh: bool) -> None:
-    """Run, from the state in the snapshot if there is one and `fresh` does not ignore it."""
+def _resumed(snapshot: Path, parts: Parts, *, fresh: bool) -> Station:
+    """Return the station, in the state of the snapshot if there is one and `fresh` does not ignore it."""
     saved = None if fresh else read_saved(snapshot)
-    loop = Loop(parts)
+    station = Station(replace(parts, saver=Saver(snapshot)))
     if saved is not None:
         try:
-            loop.restore(saved)
+            station.restore(saved)
         except SnapshotError as error:
             raise SnapshotError(f"{snapshot}: {error} To start from the initial state: --fresh.") from error
-    loop.run()
+    return station
 
 
 def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
