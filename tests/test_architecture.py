@@ -54,6 +54,7 @@ HEAVY = {
     "textual": ("safeloc/cli/step_window.py",),
     "jinja2": ("safeloc/report/",),
     "pyarrow": ("safeloc/runtime/streams/", "safeloc/campaign/counted.py"),
+    "paho": ("safeloc/runtime/service/broker/connection.py",),
     "pandas": ("safeloc/report/run_files/frame.py",),
     "vcd": ("safeloc/report/run_files/",),
     "mcap": ("safeloc/report/run_files/",),

@@ -93,6 +93,13 @@ class Feed(ABC):
         del position
         return "the process was not running"
 
+    def mark(self) -> int:
+        """Return how far lines were handled, for `kept`."""
+        return 0
+
+    def kept(self, mark: int) -> None:  # noqa: B027 # nobody waits for it
+        """Note that a snapshot with everything up to a mark is on disk."""
+
     @abstractmethod
     def close(self) -> None:
         """Stop reading for good."""

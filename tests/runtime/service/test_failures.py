@@ -171,9 +171,9 @@ class Heard(Outlet):
         self.put_in: list[bytes] = []
         self.out: list[bytes] = []
 
-    def put(self, origin: str, data: bytes) -> None:
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
         """One line."""
-        del origin
+        del origin, event
         self.put_in.append(data)
 
     def flush(self) -> None:
