@@ -273,6 +273,10 @@ class Station(Work):
         while self._marks and self._parts.saver is not None and self._marks[0][0] <= self._parts.saver.written:
             self._parts.feed.kept(self._marks.popleft()[1])
 
+    def memory(self) -> Mapping[str, Any]:
+        """Return what a snapshot of now would hold, without saving it."""
+        return self._content()()
+
     # ------------------------------------------------------------------ the end
 
     def finish(self) -> None:

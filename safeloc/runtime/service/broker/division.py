@@ -18,7 +18,7 @@ from safeloc.runtime.service.broker.connection import Connection
 from safeloc.runtime.service.broker.epochs import require_layout
 from safeloc.runtime.service.broker.leases import RENEW_SHARE, Leases, read_owner
 from safeloc.runtime.service.broker.settings import Broker
-from safeloc.runtime.service.broker.tenure import MakeStation, Tenure
+from safeloc.runtime.service.broker.tenure import Left, MakeStation, Tenure
 from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.feeds import Event
 from safeloc.runtime.service.journal import Journal
@@ -52,6 +52,7 @@ class Division(Work):
         self._connect_at = self._decide_at = self._renew_at = 0.0
         self._turned_at = time.monotonic()
         self._not_before: dict[int, float] = {}
+        self._left: dict[int, Left] = {}
         self._past: Counter[str] = Counter({"wrong": 0, "cycles": 0})
 
     @property
@@ -176,7 +177,8 @@ class Division(Work):
 
     def _take(self, partition: int) -> None:
         tenure = Tenure(
-            self._broker, self._topics, self.name, partition, self._folder, self._make, self._journal
+            self._broker, self._topics, self.name, partition, self._folder, self._make, self._journal,
+            self._left.pop(partition, None),
         )  # fmt: skip
         self.tenures[partition] = tenure
         tenure.open(self._selector)
@@ -184,5 +186,7 @@ class Division(Work):
     def _ended(self, tenure: Tenure, now: float) -> None:
         del self.tenures[tenure.partition]
         self._past.update(tenure.sums())
+        if tenure.left is not None:
+            self._left[tenure.partition] = tenure.left
         if self._control.ready and not self._control.lost:
             self._not_before[tenure.partition] = now + _AFTER_LOSS * self._broker.lease_s

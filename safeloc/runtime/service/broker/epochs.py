@@ -84,6 +84,10 @@ class Epochs:
                 return saved  # otherwise the owner before has just replaced it by one of its own
         return None
 
+    def alone_between(self, earlier: int, later: int) -> bool:
+        """Return whether nobody claimed an epoch between two of one process."""
+        return not any(earlier < epoch < later for epoch in self._found(_CLAIM))
+
     def forget_before(self, epoch: int) -> None:
         """Remove what owners before this epoch left, after a snapshot of this epoch is on disk."""
         for kind, ending in ((_SNAPSHOT, "snapshot"), (_CLAIM, "claim")):

@@ -23,6 +23,9 @@ from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.station import Station
 
+Left = tuple[int, Mapping[str, Any]]
+"""The epoch of a tenure that ended with its connection, and what was in memory then."""
+
 MakeStation = Callable[[PartitionPort, Path], Station]
 """Port and file for snapshots -> station with new vehicles."""
 
@@ -32,12 +35,16 @@ class Tenure:
 
     lost      why it is over; "" as long as it is not
     station   its vehicles; None until they are restored
+    left      what was in memory when the connection broke, of this tenure or of the one of this process before: a broker
+              that has lost the session brings nothing again that is in no snapshot
     """
 
     def __init__(
-        self, broker: Broker, topics: Topics, me: str, partition: int, folder: Path, make: MakeStation, journal: Journal
-    ) -> None:
+        self, broker: Broker, topics: Topics, me: str, partition: int, folder: Path, make: MakeStation, journal: Journal,
+        left: Left | None = None,
+    ) -> None:  # fmt: skip
         self.lost = ""
+        self.left = left
         self.station: Station | None = None
         self.partition = partition
         self._topics, self._me, self._make, self._journal = topics, me, make, journal
@@ -91,6 +98,7 @@ class Tenure:
         self.lost = why
         self._connection.close(politely=False)
         if self.station is not None:
+            self.left = (self._epoch, self.station.memory())
             self.station.end(failed=True)
         self._journal.warning("partition lost", partition=self.partition, epoch=self._epoch, why=why)
 
@@ -132,7 +140,7 @@ class Tenure:
 
     def _restored(self) -> Station:
         """Return the vehicles as the owners before left them."""
-        saved = self._epochs.last(self._epoch)
+        saved = self._from_memory() or self._epochs.last(self._epoch)
         station = self._make(self._port, self._epochs.path(self._epoch))
         if saved is not None:
             station.restore(saved)
@@ -142,6 +150,13 @@ class Tenure:
             "partition taken", partition=self.partition, epoch=self._epoch, session=self._connection.resumed
         )
         return station
+
+    def _from_memory(self) -> Mapping[str, Any] | None:
+        """Return what this process still knows, if nobody owned the partition since and the broker brings nothing again."""
+        left, self.left = self.left, None
+        if left is None or self._connection.resumed or not self._epochs.alone_between(left[0], self._epoch):
+            return None
+        return left[1]
 
     def _forget_others(self) -> None:
         """Remove the snapshots of owners before, as soon as there is one of this epoch."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import getpass
 import json
 import shutil
 import signal
@@ -17,6 +18,7 @@ from typing import Any
 import pytest
 from paho.mqtt import client as mqtt
 
+from safeloc.runtime.service.broker.leases import read_owner
 from safeloc.runtime.service.broker.topics import Topics, partition_of
 from tests.runtime.service.processes import PATIENCE_S, Data, wait_for
 
@@ -25,6 +27,7 @@ needs_mosquitto = pytest.mark.skipif(PROGRAM is None, reason="not installed: mos
 
 PREFIX = "fleet"
 PLAIN = """
+user {user}
 listener {port} 127.0.0.1
 allow_anonymous true
 persistence true
@@ -50,9 +53,7 @@ class Broker:
         self.port, self._folder = free_port(), folder
         folder.mkdir(exist_ok=True)
         self._conf = folder / "mosquitto.conf"
-        self._conf.write_text(settings.format(port=self.port, folder=folder), encoding="utf-8")
-        self._conf.chmod(0o644)
-        folder.chmod(0o777)  # as root mosquitto takes another user
+        self._conf.write_text(settings.format(port=self.port, folder=folder, user=getpass.getuser()), encoding="utf-8")
         self.process: subprocess.Popen[bytes] | None = None
 
     @property
@@ -117,8 +118,9 @@ class Gateway:
     def _came(self, _client: Any, _data: Any, message: mqtt.MQTTMessage) -> None:
         kind = message.topic.split("/")[1]
         if kind == "leases":
-            owner = json.loads(message.payload)["owner"] if message.payload else ""
-            self.leases.append((int(message.topic.rpartition("/")[2]), owner))
+            owner = read_owner(message.payload)
+            if owner is not None:
+                self.leases.append((int(message.topic.rpartition("/")[2]), owner))
         else:
             (self.reports if kind == "reports" else self.events).append(json.loads(message.payload))
 
