@@ -56,6 +56,7 @@ HEAVY = {
     "pyarrow": ("safeloc/runtime/streams/", "safeloc/campaign/counted.py"),
     "paho": ("safeloc/runtime/service/broker/connection.py",),
     "pandas": ("safeloc/report/run_files/frame.py",),
+    "prometheus_client": ("safeloc/runtime/service/metrics.py",),
     "vcd": ("safeloc/report/run_files/",),
     "mcap": ("safeloc/report/run_files/",),
     "networkx": ("safeloc/railway/map/", "safeloc/railway/audit/"),

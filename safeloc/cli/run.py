@@ -26,11 +26,13 @@ from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.loop import Loop, exit_code
 from safeloc.runtime.service.messages import VEHICLE
+from safeloc.runtime.service.metrics import Metrics
 from safeloc.runtime.service.outlets import Outlet, Stdout, ToFile
 from safeloc.runtime.service.saving import Saver, claimed, read_saved
 from safeloc.runtime.service.station import Parts, Station, Work
 from safeloc.runtime.service.supervised import Supervised
 from safeloc.runtime.service.tcp import TcpPort
+from safeloc.runtime.service.tracing import Tracer
 from safeloc.runtime.service.udp import UdpPort
 from safeloc.runtime.service.watchdog import Watchdog
 from safeloc.runtime.streams.gzipped import is_packed
@@ -103,6 +105,12 @@ def run(
     alive: Annotated[
         Path | None, typer.Option("--alive", help="file to touch every second while the process is healthy")
     ] = None,
+    metrics_port: Annotated[
+        str | None, typer.Option("--metrics", help="port on this machine for the figures of the process (Prometheus)")
+    ] = None,
+    log_cycles: Annotated[
+        bool, typer.Option("--log-cycles", help="log each cycle with its id, its lines and the time until its report")
+    ] = False,
     assumptions: Annotated[
         bool,
         typer.Option(
@@ -130,9 +138,17 @@ def run(
     )()  # no other kind of selector accepts a file as standard input
     longest_s = None if watchdog_ms is None else ((period + watchdog_ms) / 1_000, period / 1_000)
 
+    metrics = None if metrics_port is None else Metrics(address(metrics_port))
+    tracer = None
+    if metrics is not None or log_cycles:
+        tracer = Tracer(journal if log_cycles else None, None if metrics is None else metrics.observe)
+    if metrics is not None:
+        journal.info("metrics", port=metrics.port)
+
     def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None) -> Parts:
         watchdog = None if longest_s is None else Watchdog(*longest_s)
-        return Parts(feed, outlet, Fleet(program, settings, programs), journal, saver, every_ms / 1_000, watchdog)
+        fleet = Fleet(program, settings, programs)
+        return Parts(feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog, tracer)
 
     supervised = Supervised(alive)
     if is_broker(source):
@@ -142,7 +158,7 @@ def run(
         work: Work = Division(
             broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal
         )
-        Loop(work, selector, journal, supervised).run()
+        Loop(work, selector, journal, supervised, metrics).run()
     else:
         if broker_file is not None:
             raise typer.BadParameter("--broker is for --from mqtt://... or mqtts://...")
@@ -150,7 +166,7 @@ def run(
         parts = parts_of(feed, _outlet(sink, feed, selector), None)
         with claimed(snapshot):
             work = Station(parts) if snapshot is None else _resumed(snapshot, parts, fresh=fresh)
-            Loop(work, selector, journal, supervised).run()
+            Loop(work, selector, journal, supervised, metrics).run()
     raise typer.Exit(exit_code(work))
 
 

@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from safeloc.errors import SafelocError
 from safeloc.runtime.service.feeds import Event
 from safeloc.runtime.service.journal import Journal
+from safeloc.runtime.service.metrics import Metrics
 from safeloc.runtime.service.station import Work, trace
 from safeloc.runtime.service.supervised import Supervised
 
@@ -34,9 +35,10 @@ class Loop:
     """The loop; it runs until its work is over or a signal stops it."""
 
     def __init__(
-        self, work: Work, selector: selectors.BaseSelector, journal: Journal, supervised: Supervised | None = None
-    ) -> None:
-        self._work, self._selector, self._journal = work, selector, journal
+        self, work: Work, selector: selectors.BaseSelector, journal: Journal, supervised: Supervised | None = None,
+        metrics: Metrics | None = None,
+    ) -> None:  # fmt: skip
+        self._work, self._selector, self._journal, self._metrics = work, selector, journal, metrics
         self._supervised = supervised or Supervised(None, {})
         self._stop = ""
         self._failed = False
@@ -70,6 +72,8 @@ class Loop:
         for key, mask in self._selector.select(self._patience_s()):
             self._work.take(key.data(mask))
         self._work.turn()
+        if self._metrics is not None and self._metrics.due():
+            self._metrics.note({**self._work.sums(), **self._work.gauges()})
 
     def _patience_s(self) -> float | None:
         limits = (self._work.patience_s(), self._supervised.wait_s())
@@ -112,6 +116,8 @@ class Loop:
         finally:
             why = "failed" if self._failed else self._stop or "no more to read"
             self._journal.info("stopped", why=why, **self._work.sums())
+            if self._metrics is not None:
+                self._metrics.close()
 
 
 def exit_code(work: Work) -> int:

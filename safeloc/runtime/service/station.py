@@ -26,6 +26,7 @@ from safeloc.runtime.service.outlets import Outlet
 from safeloc.runtime.service.replies import Allowance
 from safeloc.runtime.service.saved_fields import SavedProcess, checked_fields
 from safeloc.runtime.service.saving import Saver
+from safeloc.runtime.service.tracing import Tracer
 from safeloc.runtime.service.vehicle import Output
 from safeloc.runtime.service.watchdog import Watchdog
 
@@ -76,10 +77,14 @@ class Work(ABC):
     def sums(self) -> Mapping[str, int]:
         """Return the counts since the start, for the log."""
 
+    @abstractmethod
+    def gauges(self) -> Mapping[str, int]:
+        """Return what there is of each kind now, for metrics."""
+
 
 @dataclass(frozen=True)
 class Parts:
-    """The components of a station; saver and watchdog are optional.
+    """The components of a station; saver, watchdog and tracer are optional.
 
     Without a watchdog, the position of a vehicle that ends no cycle for the longest gap is withdrawn.
     """
@@ -91,6 +96,7 @@ class Parts:
     saver: Saver | None = None
     save_every_s: float = 1.0
     watchdog: Watchdog | None = None
+    tracer: Tracer | None = None
 
 
 class Station(Work):
@@ -106,6 +112,8 @@ class Station(Work):
         self._clock = parts.watchdog or Watchdog(gap_s, gap_s)
         self._allowance = Allowance() if isinstance(parts.outlet, Feed) else None
         parts.fleet.on_failure = self._vehicle_failed
+        if parts.tracer is not None:
+            parts.fleet.on_line = parts.tracer.line
 
     @property
     def machine(self) -> str:
@@ -134,6 +142,10 @@ class Station(Work):
         fleet = self._parts.fleet
         repeated = {"repeated": fleet.repeated} if fleet.settings.at_least_once else {}
         return {"wrong": fleet.wrong, **vars(fleet.tally), **repeated}
+
+    def gauges(self) -> Mapping[str, int]:
+        """Return what there is of each kind now, for metrics."""
+        return {"vehicles": len(self._parts.fleet.vehicles), "localized": self._parts.fleet.localized}
 
     # ------------------------------------------------------------------ one turn
 
@@ -223,6 +235,8 @@ class Station(Work):
                 self._clock.forget(vehicle)
             elif "mode" in one and not watched:
                 self._clock.ended(vehicle, time.monotonic())
+                if parts.tracer is not None:
+                    parts.tracer.reported(vehicle, one["cycle"])
 
     def _put(self, origin: str, one: Output) -> None:
         data = json.dumps(one).encode() + b"\n"

@@ -114,6 +114,14 @@ class Division(Work):
             found.update(tenure.sums())
         return found
 
+    def gauges(self) -> Mapping[str, int]:
+        """Return what there is of each kind now, for metrics."""
+        stations = [tenure.station for tenure in self.tenures.values() if tenure.station is not None]
+        found: Counter[str] = Counter({"vehicles": 0, "localized": 0, "partitions": len(stations)})
+        for station in stations:
+            found.update(station.gauges())
+        return found
+
     # ------------------------------------------------------------------ who is there
 
     def _new_control(self) -> Connection:

@@ -14,7 +14,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from safeloc.errors import InputError
-from safeloc.runtime.outside import quoted, refusal
+from safeloc.runtime.outside import quoted
 from safeloc.runtime.service.broker.topics import PREFIX
 
 _PASSWORD = "SAFELOC_BROKER_PASSWORD"
@@ -109,7 +109,8 @@ def _read(path: Path) -> BrokerFile:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{path}: not TOML: {error}.") from error
     except ValidationError as error:
-        raise InputError(f"{path}: {refusal(error)}") from error
+        first = error.errors(include_url=False, include_input=False, include_context=False)[0]
+        raise InputError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}.") from error
 
 
 def _password(file: BrokerFile, folder: Path, environment: Mapping[str, str]) -> str | None:

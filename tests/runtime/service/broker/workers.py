@@ -9,7 +9,7 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from safeloc.runtime.service.broker.division import Division
 from safeloc.runtime.service.broker.port import PartitionPort
@@ -20,16 +20,24 @@ from safeloc.runtime.service.lines import Line
 from safeloc.runtime.service.saving import Saver
 from safeloc.runtime.service.station import Parts, Station
 from tests.runtime.embedding.driving import trusting
-from tests.runtime.service.broker.mosquitto import Broker, broker_file, without_lines
+from tests.runtime.service.broker.mosquitto import broker_file, without_lines
 from tests.runtime.service.processes import PATIENCE_S, Data, read
 
 SETTINGS = FleetSettings(100, numbered=True, at_least_once=True)
 
 
+class Addressed(Protocol):
+    """A broker that can be named."""
+
+    @property
+    def url(self) -> str:
+        """For --from."""
+
+
 class Worker:
     """What `safeloc run --from mqtt://...` does, turn by turn."""
 
-    def __init__(self, there: Broker, folder: Path, *, save_every_s: float = 0.05, **settings: Any) -> None:
+    def __init__(self, there: Addressed, folder: Path, *, save_every_s: float = 0.05, **settings: Any) -> None:
         trusting()  # compiled once, and not while a lease runs
         folder.mkdir(exist_ok=True)
         self._log = folder / f"log-{id(self)}"
