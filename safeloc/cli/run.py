@@ -130,7 +130,7 @@ def run(
     most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
     settings = FleetSettings(
         period, inputs, source.startswith("udp:") or is_broker(source), gap_ms, most_of_a_peer=most,
-        expected=_expected(expect), first=_first(first), assumptions=assumptions, at_least_once=is_broker(source),
+        expected=_expected(expect), first=_first(first), assumptions=assumptions,
     )  # fmt: skip
     journal, programs = Journal(STDERR), _programs(target, vehicles)
     selector = getattr(

@@ -18,18 +18,15 @@ _NEXT_WITHIN = 1_000
 class Counted:
     """The result for one line.
 
-    refused    the reason why the line is not used; "" if it is used
-    lost       what is missing before it; "" if nothing is
-    repeated   it came before, and was used then
+    refused   the reason why the line is not used; "" if it is used
+    lost      what is missing before it; "" if nothing is
     """
 
     refused: str = ""
     lost: str = ""
-    repeated: bool = False
 
 
 _FINE = Counted()
-_REPEATED = Counted(repeated=True)
 
 
 class Agreement:
@@ -69,14 +66,8 @@ class LineCount:
     def __init__(self, last: int | None = None, unsure: str = "", agreed: Agreement | None = None) -> None:
         self.last, self.unsure, self.agreed = last, unsure, agreed or Agreement()
 
-    def take(self, number: int | None, *, of_the_past: bool = False) -> Counted:
-        """Take the next line, with or without a number.
-
-        of_the_past   its time has passed, and the transport may bring lines again: with a number that has passed too, it is
-                      such a line, and no sign that the sender counts differently. (Number 1 is: a sender that starts anew.)
-        """
-        if of_the_past and number is not None and self.last is not None and 1 < number <= self.last:
-            return _REPEATED
+    def take(self, number: int | None) -> Counted:
+        """Take the next line, with or without a number."""
         wrong = self._out_of_step(number)
         if not wrong:
             self.agreed.end()

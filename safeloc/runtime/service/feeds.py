@@ -57,10 +57,12 @@ class Feed(ABC):
 
     from_start  the first line read is the first line sent
     replays   the same lines can be read again after a restart
+    repeated  lines that came again and were left out; None where none can
     """
 
     from_start = False
     replays = False
+    repeated: int | None = None
 
     @abstractmethod
     def open(self, selector: selectors.BaseSelector) -> None:

@@ -40,7 +40,6 @@ class FleetSettings:
     longest_gap_ms  longest silence that is bridged by cycles without inputs; after a longer one a vehicle restarts
     most_vehicles   most vehicles of the process; a new one replaces one that is silent and reports no position
     most_of_a_peer  most vehicles for which one peer may send; None: no limit of its own
-    at_least_once   lines may come again, after others: they are known by number and time, and left out
     assumptions     check the observable laws of the worlds in each cycle
     """
 
@@ -50,7 +49,6 @@ class FleetSettings:
     longest_gap_ms: int = LONGEST_GAP_MS
     most_vehicles: int = _MOST_VEHICLES
     most_of_a_peer: int | None = None
-    at_least_once: bool = False
     expected: Mapping[str, int] = field(default_factory=dict)
     first: Mapping[str, Value] = field(default_factory=dict)
     assumptions: bool = True
@@ -230,11 +228,6 @@ class Fleet:
         return sum(vehicle.place is not None for vehicle in self.vehicles.values())
 
     @property
-    def repeated(self) -> int:
-        """The number of lines that came again and were left out."""
-        return sum(vehicle.repeated for vehicle in self.vehicles.values())
-
-    @property
     def wrong(self) -> int:
         """The number of reports whose interval did not contain the true position."""
         return sum(vehicle.wrong for vehicle in self.vehicles.values())
@@ -263,9 +256,7 @@ class Fleet:
         settings = self.settings
         make = partial(_controller, self._own.get(name, self._program), settings)
         kind = StepsVehicle if settings.inputs else RecordsVehicle
-        vehicle = kind(name, make, self._pace, from_start=from_start)
-        vehicle.at_least_once = settings.at_least_once
-        return vehicle
+        return kind(name, make, self._pace, from_start=from_start)
 
     def _unassigned(self, origin: str, line: Line, refused: Refused) -> list[Output]:
         """Handle a line without a readable vehicle: every vehicle of this origin may have lost it.

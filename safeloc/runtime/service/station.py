@@ -30,6 +30,9 @@ from safeloc.runtime.service.tracing import Tracer
 from safeloc.runtime.service.vehicle import Output
 from safeloc.runtime.service.watchdog import Watchdog
 
+_WRITTEN_S = 0.02
+"""Seconds until it is looked again whether a snapshot is written."""
+
 _LAST_WORDS_S = 5.0
 """Most seconds that the process waits at its end for readers to take their reports."""
 
@@ -140,7 +143,7 @@ class Station(Work):
     def sums(self) -> Mapping[str, int]:
         """Return the counts since the start, for the log."""
         fleet = self._parts.fleet
-        repeated = {"repeated": fleet.repeated} if fleet.settings.at_least_once else {}
+        repeated = {} if self._parts.feed.repeated is None else {"repeated": self._parts.feed.repeated}
         return {"wrong": fleet.wrong, **vars(fleet.tally), **repeated}
 
     def gauges(self) -> Mapping[str, int]:
@@ -185,6 +188,8 @@ class Station(Work):
         limits = [parts.feed.again_s, self._clock.next_s(time.monotonic())]
         if parts.saver is not None and self._changed:
             limits.append(max(0.0, self._saved_at + parts.save_every_s - time.monotonic()))
+        if self._marks:
+            limits.append(_WRITTEN_S)
         return min((limit for limit in limits if limit is not None), default=None)
 
     def _handle(self, events: Iterator[Event]) -> None:
@@ -274,7 +279,9 @@ class Station(Work):
         if saver.busy or (self._replays and self._parts.outlet.waiting):
             return
         mark = self._parts.feed.mark()
-        self._marks.append((saver.ask(self._content()), mark))
+        asked = saver.ask(self._content())
+        if mark:
+            self._marks.append((asked, mark))
 
     def _save_now(self, saver: Saver) -> None:
         mark = self._parts.feed.mark()

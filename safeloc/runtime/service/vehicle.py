@@ -30,13 +30,11 @@ class Vehicle(ABC):
     from_start its first line is the first one that was sent; otherwise the cycle of that line may be incomplete
     withdrew   a reported position was withdrawn: set here, cleared by the fleet
     stopped    the reason why the vehicle has stopped; "" while it runs
-    at_least_once   lines may come again, after others; `repeated` counts those that did
     """
 
     def __init__(self, name: str, make: MakeController, pace: Pace, *, from_start: bool) -> None:
         self.name, self.withdrew, self.stopped = name, False, ""
-        self.wrong = self.repeated = 0
-        self.at_least_once = False
+        self.wrong = 0
         self.controller: Controller | None = None
         self._make, self._pace = make, pace
         self._count = LineCount(None, "" if from_start else "its first lines may be missing")
@@ -151,10 +149,7 @@ class Vehicle(ABC):
             self._refuse(line, f"its time is {time_ms} ms, more than any clock can show")
             self._doubt(f"line {line}: its time")
             return
-        counted = self._count.take(message.envelope.number, of_the_past=self.at_least_once and self._passed(time_ms))
-        if counted.repeated:
-            self.repeated += 1
-            return
+        counted = self._count.take(message.envelope.number)
         if counted.lost:
             self._doubt(counted.lost)
         if counted.refused:
@@ -170,11 +165,6 @@ class Vehicle(ABC):
                 return time_ms
             case Step(cycle=cycle):
                 return None if cycle is None else cycle * self._pace.period_ms
-
-    def _passed(self, time_ms: int | None) -> bool:
-        """Return whether a time is one of the last minute, up to the last line. Beyond, the sender's clock was set."""
-        last_ms = self._rhythm.last_ms
-        return time_ms is not None and last_ms is not None and 0 <= last_ms - time_ms <= self._pace.longest_gap_ms
 
     @abstractmethod
     def _take(self, line: int, message: RecordLine | CycleEnd | Step) -> None:

@@ -40,12 +40,17 @@ _LAST_S = 1.0
 
 
 class Came(NamedTuple):
-    """A message from the broker. mid: for its acknowledgement, 0 if it needs none."""
+    """A message from the broker.
+
+    mid     for its acknowledgement; 0 if it needs none
+    again   the broker says that it has sent it before
+    """
 
     topic: str
     payload: bytes
     mid: int
     retained: bool
+    again: bool
 
 
 class Connection:
@@ -170,7 +175,7 @@ class Connection:
             topic = message.topic
         except UnicodeDecodeError:
             topic = ""  # no topic of ours
-        self.came.append(Came(topic, bytes(message.payload), mid, message.retain))
+        self.came.append(Came(topic, bytes(message.payload), mid, message.retain, message.dup))
 
     # ------------------------------------------------------------------ the selector
 

@@ -2,7 +2,7 @@
 
 A record is acknowledged only when the vehicles that it changed are in a snapshot on disk, and after their reports: both go
 over one connection, in order. What is not acknowledged comes again, to this process or to the next owner of the partition;
-lines that came before are known by their numbers.
+what came before is known by its content (`recent`).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from safeloc.runtime.service.broker.connection import Came, Connection
+from safeloc.runtime.service.broker.recent import Recent
 from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.feeds import Arrived, Event, Feed
 from safeloc.runtime.service.journal import Journal
@@ -36,6 +37,8 @@ class PartitionPort(Feed, Outlet):
     def __init__(self, connection: Connection, topics: Topics, partition: int, journal: Journal) -> None:
         self.running = False
         self._connection, self._topics, self._partition, self._journal = connection, topics, partition, journal
+        self._recent = Recent()
+        self.repeated = 0
         self._lines = 0
         self._held = False
         self._handled: deque[int] = deque()
@@ -50,8 +53,12 @@ class PartitionPort(Feed, Outlet):
 
     def resume(self, position: Mapping[str, Any]) -> str:
         """Continue, after the owner before: what it did not acknowledge comes again, and numbers show what is missing."""
-        del position
+        self._recent.resume(position)
         return "the partition came to another process, or its connection broke"
+
+    def position(self) -> Mapping[str, Any]:
+        """Return the last messages, for a snapshot: the next owner knows by them what comes again."""
+        return {"recent": self._recent.position()}
 
     def hold(self, held: bool) -> None:
         """Stop handling records: what is not acknowledged waits, here up to the broker's limit, and else there."""
@@ -93,6 +100,9 @@ class PartitionPort(Feed, Outlet):
             return
         if len(came.payload) > MOST_LINES * LONGEST_LINE:
             yield self._line(vehicle, b"", f"a message of {len(came.payload)} bytes")
+            return
+        if self._recent.came_before(vehicle, came.payload, again=came.again):
+            self.repeated = (self.repeated or 0) + (came.payload.count(b"\n") or 1)
             return
         for number, text in enumerate(came.payload.split(b"\n", MOST_LINES)):
             if text or not came.payload:

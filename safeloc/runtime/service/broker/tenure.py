@@ -23,6 +23,9 @@ from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.station import Station
 
+_LONGEST_S = 0.5
+"""Most seconds between two turns of a station to which nothing comes."""
+
 Left = tuple[int, Mapping[str, Any]]
 """The epoch of a tenure that ended with its connection, and what was in memory then."""
 
@@ -56,6 +59,7 @@ class Tenure:
         self._renewal: Any = None
         self._sent_at = self._valid_from = time.monotonic()
         self._saved = False
+        self._turn_at = 0.0
 
     def open(self, selector: selectors.BaseSelector) -> None:
         """Connect as the partition: from here on its owner before hears and says nothing more."""
@@ -72,16 +76,22 @@ class Tenure:
             self._claim()
         self._see_renewal()
         if self.station is not None:
-            self.station.stop_by = stop_by
-            self.station.turn()
-            self._forget_others()
+            if self._connection.came or now >= self._turn_at or self._port.waiting:
+                self._turn(self.station, stop_by)
             if now >= self._sent_at + RENEW_SHARE * self._lease_s and self._renewal is None:
                 self._renew()
         self._connection.flush()
 
     def patience_s(self) -> float | None:
         """Return the time until the next turn."""
-        return None if self.station is None else self.station.patience_s()
+        return None if self.station is None else max(0.0, self._turn_at - time.monotonic())
+
+    def _turn(self, station: Station, stop_by: float) -> None:
+        station.stop_by = stop_by
+        station.turn()
+        patience_s = station.patience_s()
+        self._turn_at = time.monotonic() + (_LONGEST_S if patience_s is None else min(patience_s, _LONGEST_S))
+        self._forget_others()
 
     def release(self) -> None:
         """Save, give the partition up and end the connection, so that another process may take it at once."""

@@ -207,15 +207,29 @@ def test_a_broker_that_restarts(tmp_path: Path, there: Broker, speaker: Gateway,
 
 def test_messages_that_come_twice(tmp_path: Path, there: Broker, speaker: Gateway) -> None:
     """A gateway that sends everything of the last cycles again, as after a connection that broke: nothing changes."""
-    said = messages(numbered(60, "7"))
+    said = messages(numbered(300, "7"))
     worker = Worker(there, tmp_path / "one")
     turn_until(lambda: owned(worker), "owners", worker)
-    for each in [*said[:40], *said[15:40], *said[40:]]:
+    for each in [*said[:280], *said[240:280], *said[280:]]:
         speaker.send("7", each)
-    turn_until(lambda: len(speaker.by_cycle("7")) == 60, "reports", worker)
-    assert heard(speaker, "7", 60) == alone("7", numbered(60, "7"))
-    assert worker.division.sums()["repeated"] == sum(one.count(b"\n") for one in said[15:40])
+    turn_until(lambda: len(speaker.by_cycle("7")) == 300, "reports", worker)
+    assert heard(speaker, "7", 300) == alone("7", numbered(300, "7"))
+    assert worker.division.sums()["repeated"] == sum(one.count(b"\n") for one in said[240:280])
     assert not speaker.events
+    worker.stop()
+
+
+def test_a_vehicle_that_restarts_is_no_repetition(tmp_path: Path, there: Broker, speaker: Gateway) -> None:
+    """Count and clock begin anew, and it says what it said before: it may have been moved meanwhile, so its position is
+    withdrawn."""
+    said = messages(numbered(40, "7"))
+    worker = Worker(there, tmp_path / "one")
+    turn_until(lambda: owned(worker), "owners", worker)
+    for each in [*said[:30], *said[:30]]:
+        speaker.send("7", each)
+    turn_until(lambda: any("anew" in one for one in speaker.reports), "withdrawn", worker)
+    assert next(one for one in speaker.reports if "anew" in one)["interval_mm"] is None
+    assert worker.division.sums()["repeated"] == 0
     worker.stop()
 
 

@@ -23,7 +23,7 @@ from tests.runtime.embedding.driving import trusting
 from tests.runtime.service.broker.mosquitto import broker_file, without_lines
 from tests.runtime.service.processes import PATIENCE_S, Data, read
 
-SETTINGS = FleetSettings(100, numbered=True, at_least_once=True)
+SETTINGS = FleetSettings(100, numbered=True)
 
 
 class Addressed(Protocol):
