@@ -90,7 +90,7 @@ def test_a_run_refutes_one_millimetre_less(monkeypatch: pytest.MonkeyPatch) -> N
     assert isinstance(found, Violated)
     assert found.trace is not None
     last = found.trace.steps[-1]
-    assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_whole_um"] < UM_PER_MM
+    assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_complete_um"] < UM_PER_MM
 
 
 Wrong = Callable[..., object]
