@@ -18,16 +18,21 @@ from safeloc.language.nodes import Value
 from safeloc.runtime.embedding import Program
 from safeloc.runtime.embedding.arguments import period_of
 from safeloc.runtime.service.address import address
+from safeloc.runtime.service.broker.division import Division
+from safeloc.runtime.service.broker.settings import is_broker, read_broker
 from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
-from safeloc.runtime.service.loop import Loop, Parts, exit_code
+from safeloc.runtime.service.loop import Loop, exit_code
 from safeloc.runtime.service.messages import VEHICLE
+from safeloc.runtime.service.metrics import Metrics
 from safeloc.runtime.service.outlets import Outlet, Stdout, ToFile
 from safeloc.runtime.service.saving import Saver, claimed, read_saved
+from safeloc.runtime.service.station import Parts, Station, Work
 from safeloc.runtime.service.supervised import Supervised
 from safeloc.runtime.service.tcp import TcpPort
+from safeloc.runtime.service.tracing import Tracer
 from safeloc.runtime.service.udp import UdpPort
 from safeloc.runtime.service.watchdog import Watchdog
 from safeloc.runtime.streams.gzipped import is_packed
@@ -43,7 +48,11 @@ def run(
         Path | None, typer.Option("--config", help="TOML or JSON with the machine's configuration")
     ] = None,
     source: Annotated[
-        str, typer.Option("--from", help="stdin, file:PATH (may grow), tcp:, udp: or proxy:PORT (on this machine)")
+        str,
+        typer.Option(
+            "--from",
+            help="stdin, file:PATH (may grow), tcp:, udp: or proxy:PORT (on this machine), mqtts://HOST/PREFIX",
+        ),
     ] = "stdin",
     sink: Annotated[
         str | None, typer.Option("--to", help="stdout, file:PATH, or back (over the socket; the default there)")
@@ -61,10 +70,15 @@ def run(
         list[str] | None, typer.Option("--first", help="NAME=VALUE: first value of an open variable (repeatable)")
     ] = None,
     snapshot: Annotated[
-        Path | None, typer.Option("--snapshot", help="file to save snapshots in, and to resume from")
+        Path | None,
+        typer.Option("--snapshot", help="file to save snapshots in, and to resume from; a folder with a broker"),
     ] = None,
     every_ms: Annotated[int, typer.Option("--snapshot-every-ms", help="least time between snapshots", min=10)] = 1_000,
     fresh: Annotated[bool, typer.Option("--fresh", help="start from the initial state; ignore the snapshot")] = False,
+    broker_file: Annotated[
+        Path | None,
+        typer.Option("--broker", help="TOML with partitions, lease_ms, user, password_file, authority_file, ..."),
+    ] = None,
     watchdog_ms: Annotated[
         int | None,
         typer.Option("--watchdog-ms", help="end a cycle that is overdue by this much wall-clock time", min=1),
@@ -91,6 +105,12 @@ def run(
     alive: Annotated[
         Path | None, typer.Option("--alive", help="file to touch every second while the process is healthy")
     ] = None,
+    metrics_port: Annotated[
+        str | None, typer.Option("--metrics", help="port on this machine for the figures of the process (Prometheus)")
+    ] = None,
+    log_cycles: Annotated[
+        bool, typer.Option("--log-cycles", help="log each cycle with its id, its lines and the time until its report")
+    ] = False,
     assumptions: Annotated[
         bool,
         typer.Option(
@@ -109,23 +129,65 @@ def run(
     period = period_of(program, period_ms)
     most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
     settings = FleetSettings(
-        period, inputs, source.startswith("udp:"), gap_ms, most_of_a_peer=most, expected=_expected(expect),
-        first=_first(first), assumptions=assumptions,
+        period, inputs, source.startswith("udp:") or is_broker(source), gap_ms, most_of_a_peer=most,
+        expected=_expected(expect), first=_first(first), assumptions=assumptions,
     )  # fmt: skip
-    fleet, journal = Fleet(program, settings, _programs(target, vehicles)), Journal(STDERR)
+    journal, programs = Journal(STDERR), _programs(target, vehicles)
     selector = getattr(
         selectors, "PollSelector", selectors.SelectSelector
     )()  # no other kind of selector accepts a file as standard input
-    feed = _feed(source, journal, to_its_end=to_its_end)
-    watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
-    outlet, supervised = _outlet(sink, feed, selector), Supervised(alive)
-    parts = Parts(selector, feed, outlet, fleet, journal, None, every_ms / 1_000, watchdog, supervised)
-    with claimed(snapshot):
-        if snapshot is None:
-            Loop(parts).run()
-        else:
-            _run_from(snapshot, replace(parts, saver=Saver(snapshot)), fresh=fresh)
-    raise typer.Exit(exit_code(fleet))
+    longest_s = None if watchdog_ms is None else ((period + watchdog_ms) / 1_000, period / 1_000)
+
+    metrics = None if metrics_port is None else Metrics(address(metrics_port))
+    tracer = None
+    if metrics is not None or log_cycles:
+        tracer = Tracer(journal if log_cycles else None, None if metrics is None else metrics.observe)
+    if metrics is not None:
+        journal.info("metrics", port=metrics.port)
+
+    def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None) -> Parts:
+        watchdog = None if longest_s is None else Watchdog(*longest_s)
+        fleet = Fleet(program, settings, programs)
+        return Parts(feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog, tracer)
+
+    supervised = Supervised(alive)
+    if is_broker(source):
+        _require_usable(sink, snapshot, broker_file, fresh=fresh, to_its_end=to_its_end)
+        assert snapshot is not None
+        broker = read_broker(source, broker_file)
+        work: Work = Division(
+            broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal
+        )
+        Loop(work, selector, journal, supervised, metrics).run()
+    else:
+        if broker_file is not None:
+            raise typer.BadParameter("--broker is for --from mqtt://... or mqtts://...")
+        feed = _feed(source, journal, to_its_end=to_its_end)
+        parts = parts_of(feed, _outlet(sink, feed, selector), None)
+        with claimed(snapshot):
+            work = Station(parts) if snapshot is None else _resumed(snapshot, parts, fresh=fresh)
+            Loop(work, selector, journal, supervised, metrics).run()
+    raise typer.Exit(exit_code(work))
+
+
+def _require_usable(
+    sink: str | None, snapshot: Path | None, broker_file: Path | None, *, fresh: bool, to_its_end: bool
+) -> None:
+    """Refuse options that mean nothing with a broker."""
+    if sink not in (None, _BACK):
+        raise typer.BadParameter(f"--to {sink!r}: with a broker, reports go back to it.")
+    if snapshot is None:
+        raise typer.BadParameter(
+            "--snapshot FOLDER is needed with a broker: records are acknowledged when they are saved."
+        )
+    if snapshot.exists() and not snapshot.is_dir():
+        raise InputError(f"{snapshot}: no folder; with a broker each partition has its own snapshot in a folder.")
+    if fresh:
+        raise typer.BadParameter("--fresh is not for a broker: stop all processes and give them a new folder.")
+    if to_its_end:
+        raise typer.BadParameter("--until-end is for --from file:PATH.")
+    if broker_file is not None and not broker_file.is_file():
+        raise InputError(f"{broker_file}: no such file.")
 
 
 def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: Path | None) -> None:
@@ -138,16 +200,16 @@ def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: 
             raise InputError(f"{file}: given for {one} and for {other}; give each its own file.")
 
 
-def _run_from(snapshot: Path, parts: Parts, *, fresh: bool) -> None:
-    """Run, from the state in the snapshot if there is one and `fresh` does not ignore it."""
+def _resumed(snapshot: Path, parts: Parts, *, fresh: bool) -> Station:
+    """Return the station, in the state of the snapshot if there is one and `fresh` does not ignore it."""
     saved = None if fresh else read_saved(snapshot)
-    loop = Loop(parts)
+    station = Station(replace(parts, saver=Saver(snapshot)))
     if saved is not None:
         try:
-            loop.restore(saved)
+            station.restore(saved)
         except SnapshotError as error:
             raise SnapshotError(f"{snapshot}: {error} To start from the initial state: --fresh.") from error
-    loop.run()
+    return station
 
 
 def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
@@ -166,7 +228,9 @@ def _feed(source: str, journal: Journal, *, to_its_end: bool) -> Feed:
         case "proxy", where if where:
             return TcpPort(address(where), journal, proxied=True)
         case _:
-            raise typer.BadParameter(f"--from {source!r}: choose stdin, file:PATH, tcp:PORT, udp:PORT or proxy:PORT.")
+            raise typer.BadParameter(
+                f"--from {source!r}: choose stdin, file:PATH, tcp:PORT, udp:PORT, proxy:PORT or mqtts://HOST/PREFIX."
+            )
 
 
 def _plain(path: Path) -> Path:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.runtime.service import loop
+from safeloc.runtime.service import station
 from tests.cli.calling import Call, caller
 from tests.runtime.service.processes import lines, ran, read, running, wait_for
 
@@ -105,11 +105,11 @@ def test_told_to_stop_within_a_turn() -> None:
     """A turn that takes too long is left: what was not read adds to the error like what came while nobody listened."""
     heard: list[int] = []
 
-    class Fake(loop.Loop):
+    class Fake(station.Station):
         """Only what a turn needs."""
 
         def __init__(self) -> None:
-            self._stop_by = time.monotonic() - 1.0
+            self.stop_by = time.monotonic() - 1.0
             self._allowance = None
             self._parts = type("Parts", (), {"fleet": None, "feed": type("Feed", (), {"from_start": True})})  # type: ignore[assignment]
 

@@ -57,10 +57,12 @@ class Feed(ABC):
 
     from_start  the first line read is the first line sent
     replays   the same lines can be read again after a restart
+    repeated  lines that came again and were left out; None where none can
     """
 
     from_start = False
     replays = False
+    repeated: int | None = None
 
     @abstractmethod
     def open(self, selector: selectors.BaseSelector) -> None:
@@ -92,6 +94,13 @@ class Feed(ABC):
         """Continue at a position; call it before `open`. Return why lines may be missing since; "" if none can be."""
         del position
         return "the process was not running"
+
+    def mark(self) -> int:
+        """Return how far lines were handled, for `kept`."""
+        return 0
+
+    def kept(self, mark: int) -> None:  # noqa: B027 # nobody waits for it
+        """Note that a snapshot with everything up to a mark is on disk."""
 
     @abstractmethod
     def close(self) -> None:

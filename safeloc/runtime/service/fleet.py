@@ -77,6 +77,7 @@ class Fleet:
     withdrew    a position was withdrawn; set here, cleared by the loop after a snapshot
     by_clock    something happened that does not follow from the lines alone; set and cleared likewise
     on_failure  called with the vehicle and the exception after an unexpected exception
+    on_line     called with the vehicle and the number of each of its lines, before it is handled
 
     InputError if no controller can be made with these settings.
     """
@@ -91,6 +92,7 @@ class Fleet:
         self.settings, self.tally = settings, _Tally()
         self.withdrew = self.by_clock = False
         self.on_failure: Callable[[str, Exception], None] = lambda _vehicle, _error: None
+        self.on_line: Callable[[str, int | None], None] | None = None
         self.vehicles: dict[str, Vehicle] = {}
         self._clock = clock
         self._last_line_at: dict[str, float] = {}
@@ -132,6 +134,8 @@ class Fleet:
                 return self._counted(outputs)
         vehicle = self.vehicles[name]
         self._last_line_at[name] = self._clock()
+        if self.on_line is not None:
+            self.on_line(name, message.number if isinstance(message, Refused) else message.envelope.number)
         if self.origins.setdefault(name, origin) != origin:
             self.origins[name] = origin
             vehicle.be_unsure("another peer sends for it")
@@ -217,6 +221,11 @@ class Fleet:
     def name(self) -> str:
         """The machine's name."""
         return self._program.name
+
+    @property
+    def localized(self) -> int:
+        """The number of vehicles that report a position."""
+        return sum(vehicle.place is not None for vehicle in self.vehicles.values())
 
     @property
     def wrong(self) -> int:

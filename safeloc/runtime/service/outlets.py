@@ -25,8 +25,8 @@ class Outlet(ABC):
     """A destination of reports; they wait in it until `flush`."""
 
     @abstractmethod
-    def put(self, origin: str, data: bytes) -> None:
-        """Add one line for the reader of this origin's reports."""
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
+        """Add one line for the reader of this origin's reports. `event`: it is no report, but tells of one event."""
 
     @abstractmethod
     def flush(self) -> None:
@@ -66,9 +66,9 @@ class Stdout(Outlet):
         self._poll.register(fd, select.POLLOUT)
         self._registered = False
 
-    def put(self, origin: str, data: bytes) -> None:
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
         """Write one line."""
-        del origin
+        del origin, event
         self._buffer += data
 
     def flush(self) -> None:
@@ -131,9 +131,9 @@ class ToFile(Outlet):
         except OSError as error:
             raise InputError(f"{self._path}: cannot be written: {error.strerror}.") from error
 
-    def put(self, origin: str, data: bytes) -> None:
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
         """Write one line."""
-        del origin
+        del origin, event
         self._buffer += data
 
     def flush(self) -> None:

@@ -91,7 +91,7 @@ class Saver:
         self.path = path
         self.failed: Exception | None = None
         self._wanted: _Content | None = None
-        self._asked = self._done = 0
+        self._asked = self._done = self._written_last = 0
         self._ending = False
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._write, name="safeloc-saver", daemon=True)
@@ -116,6 +116,12 @@ class Saver:
             raise self.failed
 
     @property
+    def written(self) -> int:
+        """Return the number of the last request whose snapshot, or a newer one, is on disk."""
+        with self._changed:
+            return self._written_last
+
+    @property
     def busy(self) -> bool:
         """Return whether a requested snapshot is not yet written."""
         with self._changed:
@@ -138,6 +144,8 @@ class Saver:
             failed = self._written(content)
             with self._changed:
                 self.failed, self._done = failed, ticket
+                if failed is None:
+                    self._written_last = ticket
                 self._changed.notify_all()
 
     def _written(self, content: _Content) -> Exception | None:

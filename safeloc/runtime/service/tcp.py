@@ -243,8 +243,9 @@ class TcpPort(Feed, Outlet):
         readable = not self.held and any(not peer.deaf for peers in (self._behind, self._flooding) for peer in peers)
         return 0.0 if self._left or readable else None
 
-    def put(self, origin: str, data: bytes) -> None:
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
         """Buffer a line for a peer; if the peer is gone, count it in the log."""
+        del event
         peer = self.peers.get(origin)
         if peer is None:
             self._journal.warning("unsent", origin=origin, bytes=len(data))

@@ -66,8 +66,9 @@ class UdpPort(Feed, Outlet):
             else:
                 self._selector.register(self._socket, selectors.EVENT_READ, self._ready)
 
-    def put(self, origin: str, data: bytes) -> None:
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
         """Send a report to the address that the vehicle's last line came from."""
+        del event
         self._waiting.append((origin, data))
         self._bytes += len(data)
         while len(self._waiting) > MOST_WAITING or self._bytes > MOST_BYTES:

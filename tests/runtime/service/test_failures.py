@@ -18,9 +18,10 @@ from safeloc.runtime.service.feeds import Arrived, Event, Feed, Over
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.lines import Line
-from safeloc.runtime.service.loop import Loop, Parts
+from safeloc.runtime.service.loop import Loop
 from safeloc.runtime.service.outlets import Outlet
 from safeloc.runtime.service.saving import Saver, read_saved
+from safeloc.runtime.service.station import Parts, Station
 from safeloc.target import Target
 from tests.data.door_controller import machine as door
 from tests.runtime.embedding.driving import distances, drive
@@ -170,9 +171,9 @@ class Heard(Outlet):
         self.put_in: list[bytes] = []
         self.out: list[bytes] = []
 
-    def put(self, origin: str, data: bytes) -> None:
+    def put(self, origin: str, data: bytes, *, event: bool = False) -> None:
         """One line."""
-        del origin
+        del origin, event
         self.put_in.append(data)
 
     def flush(self) -> None:
@@ -194,9 +195,9 @@ class Heard(Outlet):
 def ran(path: Path, feed: Feed, log: int) -> Heard:
     """A loop in this process."""
     heard = Heard()
-    Loop(
-        Parts(selectors.SelectSelector(), feed, heard, Fleet(ODOMETRY, FleetSettings(100)), Journal(log), Saver(path))
-    ).run()
+    journal = Journal(log)
+    station = Station(Parts(feed, heard, Fleet(ODOMETRY, FleetSettings(100)), journal, Saver(path)))
+    Loop(station, selectors.SelectSelector(), journal).run()
     return heard
 
 

@@ -1,0 +1,1 @@
+"""Many vehicles over an MQTT broker, divided among several processes. See docs/fleet.md."""
