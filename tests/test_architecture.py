@@ -107,7 +107,7 @@ KNOWS = {
     "simulation": ("language", "runtime", "sensing", "config"),
     "models": (
         "language", "codegen", "runtime", "reported", "proof.drawn_runs", "railway.map", "railway.pictures",
-        "railway.telegrams", "sensing", "simulation", "config",
+        "railway.telegrams", "sensing", "simulation", "simulated", "config",
     ),
     "properties": ("language", "models"),
     "target": ("language", "reported", "railway.pictures", "config", "simulated"),

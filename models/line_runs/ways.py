@@ -185,19 +185,9 @@ def switches_ahead(route: Route) -> list[SwitchAhead]:
     for met in route.switches():
         first = next(((place, one) for place, one in behind if place > met.position_mm), None)
         if met.passage.facing and first is not None and first[0] - first[1].view_from_mm < met.position_mm:
-            course = _course(route, met.passage.switch, met.passage.side)
+            course = route.topology.course(met.passage)
             found.append(SwitchAhead(met.position_mm, course, first[0], -first[1].lateral_offset_mm))
     return found
-
-
-def _course(route: Route, switch: elements.Switch, side: str) -> str:
-    """Return the course at a switch: straight on the branch with the stem's track name, or on the only branch with a track name."""
-    edges = route.topology.edges
-    tracks = {name: edges[branch].track for name, branch in (("left", switch.left), ("right", switch.right))}
-    stem = edges[switch.stem].track
-    straight = [name for name, track in tracks.items() if track and track == stem]
-    straight = straight or [name for name, track in tracks.items() if track]
-    return "STRAIGHT" if straight == [side] else side.upper()
 
 
 def limits(route: Route) -> list[Limit]:

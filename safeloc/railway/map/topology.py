@@ -97,6 +97,18 @@ class Topology:
         facing = before.edge == switch.stem
         return Passage(switch, facing, after.edge if facing else before.edge)
 
+    def course(self, passage: Passage) -> str:
+        """Return the course of a passage as seen from the stem: STRAIGHT, LEFT or RIGHT.
+
+        Straight on is the branch with the stem's track name, or the only branch with a track name.
+        """
+        switch = passage.switch
+        tracks = {name: self.edges[branch].track for name, branch in (("left", switch.left), ("right", switch.right))}
+        stem = self.edges[switch.stem].track
+        straight = [name for name, track in tracks.items() if track and track == stem]
+        straight = straight or [name for name, track in tracks.items() if track]
+        return "STRAIGHT" if straight == [passage.side] else passage.side.upper()
+
     def entries(self) -> Iterator[Run]:
         """Yield the runs on which vehicles enter the map: no run leads into them."""
         return (run for run in self.graph if self.graph.in_degree(run) == 0)

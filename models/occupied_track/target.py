@@ -1,0 +1,51 @@
+"""The catalogue entry of the occupied track."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from safeloc.models import occupied_track
+from safeloc.models.occupied_track.variables import OccupiedTrackConfig, parts
+from safeloc.properties import occupied_track as claims
+from safeloc.reported import Reported
+from safeloc.runtime.streams.steps import Cell
+from safeloc.target import Entry, Family, Hazard, Target, single
+
+_ON_ITS_EDGE = Reported(truth="true_place_nm")
+
+
+def target(config: OccupiedTrackConfig) -> Target:
+    """Make the machine."""
+    model = occupied_track.build(parts(config))
+    return single(
+        model.machine,
+        claims.properties(model),
+        config,
+        reported=_ON_ITS_EDGE,
+        simulate=lambda seed: _simulated(config, seed),
+    )
+
+
+def _simulated(config: OccupiedTrackConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.occupied_track.simulate import (
+        drawn,
+    )  # numpy and the map are loaded only where something is simulated
+
+    return drawn(config, seed)
+
+
+ENTRIES = (
+    Entry(
+        "occupied_track",
+        "which track of the map the vehicle is on, or that several are possible",
+        OccupiedTrackConfig,
+        target,
+        Family.LOCALIZER,
+        place=15,
+        silent=("occupied_track",),
+        hazard=Hazard(
+            "a track is told on which the vehicle is not",
+            ("the true track is carried", "a track that is told is the true one"),
+        ),
+    ),
+)
