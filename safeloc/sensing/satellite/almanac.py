@@ -105,7 +105,9 @@ def _records(lines: Sequence[str], path: Path, roll_overs: int, letter: str) -> 
         raise StreamError(f"{path.name}:1: no YUMA almanac: a record begins with a line of asterisks.")
     for at in begins:
         try:
-            yield _orbit(_values(lines[at + 1 : at + 1 + len(_FIELDS)]), roll_overs, letter)
+            orbit = _orbit(_values(lines[at + 1 : at + 1 + len(_FIELDS)]), roll_overs, letter)
+            orbit.ephemeris()  # refuses an orbit that is not an ellipse of finite figures, here with its line
+            yield orbit
         except (ValueError, OverflowError) as error:
             raise StreamError(f"{path.name}:{at + 1}: {error}; mend or drop the record.") from error
 

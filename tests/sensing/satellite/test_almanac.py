@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.errors import InputError, StreamError
+from safeloc.errors import StreamError
 from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.sensing.satellite.almanac import Almanac, read_almanac
 from safeloc.sensing.satellite.ephemeris import Ephemeris
@@ -139,5 +139,5 @@ def test_what_is_no_almanac_is_refused(tmp_path: Path, text: str, message: str) 
 
 def test_an_orbit_that_is_no_ellipse_is_refused(tmp_path: Path) -> None:
     """At once, and not in the cycle that asks for its satellite."""
-    with pytest.raises(InputError, match="ephemeris of G05: not an ellipse"):
+    with pytest.raises(StreamError, match=r"^current\.alm:1: ephemeris of G05: not an ellipse"):
         read_almanac(written(tmp_path, RECORD.replace("0.5927642923E-002", "1.5927642923")), roll_overs=2)
