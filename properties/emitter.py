@@ -159,7 +159,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a foreign pattern is reported",
-        model.machine.flag("foreign_heard").iff(meanings[FOREIGN]),
+        model.machine.flag("foreign_pattern").iff(meanings[FOREIGN]),
         statement="another emitter's pattern is reported in the cycle in which it comes, and in no other",
     )
 

@@ -55,7 +55,7 @@ def _trusted(model: FibreArea) -> Bool:
 
 
 def _reports(model: FibreArea) -> Bool:
-    return model.composition.of(model.report.machine).bool(model.report.machine.flag("told"))
+    return model.composition.of(model.report.machine).bool(model.report.machine.flag("reported"))
 
 
 def _error(model: FibreArea, end: str) -> Bool:
@@ -123,7 +123,7 @@ def _bounded(model: FibreArea) -> Iterator[Property]:
         _wired_in_range(model),
         statement="every value on a wire lies in the range of the input: nothing is clipped",
     )
-    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
+    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_cycle_distance_mm
     above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
     yield for_all_inputs(
         "tolerance",

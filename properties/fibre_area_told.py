@@ -199,7 +199,7 @@ def _compared(seen: _Seen) -> Iterator[Property]:
 
 def _reported(seen: _Seen) -> Iterator[Property]:
     model, own, verified = seen.model, seen.model.report.own, seen.model.verification.own
-    reports = seen.report.bool(model.report.machine.flag("told"))
+    reports = seen.report.bool(model.report.machine.flag("reported"))
     whole = seen.report.bool(model.report.machine.flag("integer"))
     matches = all_of(
         [

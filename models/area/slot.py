@@ -220,7 +220,7 @@ def slot(
         declared.state(number(f"{name}_unconfirmed_cycles", COUNT, 0, count_limit), first=0),
         declared.state(boolean(f"{name}_below_loose"), first=False),
         declared.state(boolean(f"{name}_above_loose"), first=False),
-        declared.state(choice(f"{name}_judged", enumeration(VERDICT)), first=NO_REPORT),
+        declared.state(choice(f"{name}_last_verdict", enumeration(VERDICT)), first=NO_REPORT),
         declared.ghost(boolean(f"{name}_there"), first=False),
         declared.ghost(number(f"{name}_true_rear_um", UM, -far, far), first=ANY),
         declared.ghost(number(f"{name}_true_front_um", UM, -far, far), first=ANY),

@@ -139,8 +139,8 @@ class Parts:
         self.last_up = declared.ghost(boolean("last_axle_upwards"), first=ANY)
         self.next_speed = declared.choice(number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM))
         self.axle_speed = declared.choice(number("axle_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM))
-        self.true_step = declared.choice(number("true_step_nm", NM, -step, step))
-        self.axle_step = declared.choice(number("true_step_to_axle_nm", NM, -step, step))
+        self.true_cycle_distance = declared.choice(number("true_cycle_distance_nm", NM, -step, step))
+        self.axle_step = declared.choice(number("true_distance_to_axle_nm", NM, -step, step))
         self.true_axles = declared.choice(number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle))
 
 

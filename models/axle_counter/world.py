@@ -162,7 +162,7 @@ def _first(own: Parts) -> Bool:
 
 def _run_after(own: Parts) -> tuple[Num, Num]:
     """Return run and length after the cycle: the run begins at the first axle of a passage; the length is the run at the last axle."""
-    run = ite(_first(own), own.true_step, own.run + own.true_step)
+    run = ite(_first(own), own.true_cycle_distance, own.run + own.true_cycle_distance)
     length = ite(_first(own), own.axle_step, ite(own.true_axles > 0, own.run + own.axle_step, own.length))
     return run, length
 
@@ -189,14 +189,16 @@ def _can_stop(own: Parts, run: Num) -> Bool:
 def _since_first(own: Parts) -> Bool:
     """Return the bounds for the rest of the cycle after the first axle: up to the last axle in it, and after that."""
     low, high = own.axle_speed - _change(own), own.axle_speed + _change(own)
-    return _within_cycle(own, (own.true_step, own.axle_step, own.true_step - own.axle_step), low, high)
+    return _within_cycle(
+        own, (own.true_cycle_distance, own.axle_step, own.true_cycle_distance - own.axle_step), low, high
+    )
 
 
 def _since_before(own: Parts, low: Num, high: Num) -> Bool:
     """Return the bounds for the whole cycle, up to the last axle within it, and after that."""
     slowest, fastest = _ways(own, low, high)
-    over_cycle = between(slowest, own.true_step, fastest)
-    return over_cycle & _within_cycle(own, (own.axle_step, own.true_step - own.axle_step), low, high)
+    over_cycle = between(slowest, own.true_cycle_distance, fastest)
+    return over_cycle & _within_cycle(own, (own.axle_step, own.true_cycle_distance - own.axle_step), low, high)
 
 
 def _within_cycle(own: Parts, runs: tuple[Num, ...], low: Num, high: Num) -> Bool:

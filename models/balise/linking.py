@@ -196,7 +196,7 @@ def national(declared: Declared, default_mm: int) -> National:
     return National(
         declared.sensor(optional("national_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM)),
         declared.state(boolean("national_accuracy_known"), first=False),
-        declared.state(number("national_accuracy_kept_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        declared.state(number("national_accuracy_stored_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         default_mm,
     )
 
@@ -261,5 +261,5 @@ def linking(declared: Declared, slots: int, *, last_identity: int, position_limi
     return Linking(
         tuple(slot(declared, name, **bounds) for name in names),
         announcement(declared, **bounds),
-        declared.state(choice("linking_judged", enumeration(_ANNOUNCED)), first=NOTHING),
+        declared.state(choice("linking_last_verdict", enumeration(_ANNOUNCED)), first=NOTHING),
     )

@@ -88,7 +88,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
 
 def after(own: Parts) -> Num:
     """Return the place of the front end at the end of the cycle, nm."""
-    return own.world.truth + own.world.true_step
+    return own.world.truth + own.world.true_cycle_distance
 
 
 # ------------------------------------------------------------------ the vehicle and its odometer
@@ -132,7 +132,7 @@ def _further_error(own: Parts) -> Num:
 def _odometer_law(own: Parts) -> Law:
     seen, counts, config = own.world, can_be_run(own), own.config
     counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_step - counted - (wander_after(own) - seen.wander)
+    error = seen.true_cycle_distance - counted - (wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
     most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
     return Law(

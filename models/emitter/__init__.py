@@ -71,8 +71,8 @@ def build(own: Parts) -> Emitter:
         outputs={
             "chain_tested": tested,
             "failed": current.eq(table[2]),
-            "heard": own.last_verdict,
-            "foreign_heard": own.last_verdict.eq(FOREIGN),
+            "verdict": own.last_verdict,
+            "foreign_pattern": own.last_verdict.eq(FOREIGN),
             "next_due_in_cycles": own.config.due_cycles - own.since,
         },
         transitions=list(_table(own, table)),

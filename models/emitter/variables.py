@@ -59,7 +59,7 @@ class Parts:
         self.since = declared.state(number("since_passed_cycles", COUNT, 0, config.due_cycles), first=0)
         self.asked = declared.state(number("since_request_cycles", COUNT, 0, config.answer_cycles), first=0)
         self.passes = declared.state(number("passes", COUNT, 0, config.passes_to_recover), first=0)
-        self.last_verdict = declared.state(choice("judged", enumeration(HEARD)), first=NOTHING)
+        self.last_verdict = declared.state(choice("last_verdict", enumeration(HEARD)), first=NOTHING)
         self.works = declared.ghost(boolean("chain_works"), first=True)
         self.silent = declared.ghost(number("emitter_silent_cycles", COUNT, 0, silence), first=silence)
         self.may_answer = declared.ghost(number("emitter_may_answer_cycles", COUNT, 0, config.answer_cycles), first=0)

@@ -67,7 +67,7 @@ class Cycle:
         own, config = self.own, self.own.config
         rate = abs_(own.run.value) * Lit(config.rate_ppm, PPM)
         moved = ite(own.run.value.eq(0), as_num(0, NM), rate + config.floor_mm * NM_PER_MM)
-        return ite(own.run.present, moved, Lit(config.max_step_mm * NM_PER_MM, NM))
+        return ite(own.run.present, moved, Lit(config.max_cycle_distance_mm * NM_PER_MM, NM))
 
     @cached_property
     def since(self) -> Num:

@@ -91,7 +91,7 @@ class FibreConfig(Config):
         return self.tolerance_mm * NM_PER_MM
 
     @property
-    def max_step_mm(self) -> int:
+    def max_cycle_distance_mm(self) -> int:
         """Greatest run of one cycle, mm rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // MS_PER_S)
 
@@ -128,7 +128,7 @@ class Parts:
 
     def __init__(self, config: FibreConfig) -> None:
         self.declared = declared = Declared()
-        limit, step = config.position_limit_mm, config.max_step_mm
+        limit, step = config.position_limit_mm, config.max_cycle_distance_mm
         far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
         self.config = config
         self.amplitude = declared.sensor(optional("amplitude_cdb", CDB, -10_000, 10_000))
@@ -157,7 +157,7 @@ class Parts:
         self.upwards = declared.state(boolean("entered_upwards"), first=False)
         self.long = declared.state(boolean("long_by_map"), first=False)
         self.unheard = declared.state(
-            number("run_unheard_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
+            number("run_since_amplitude_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
         )
         self.forwards = declared.state(boolean("runs_forwards"), first=True)
         self.band = declared.state(choice("band", enumeration(_BAND)), first=NORMAL)

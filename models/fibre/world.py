@@ -209,7 +209,7 @@ class Passing:
     @cached_property
     def farthest_nm(self) -> int:
         """Greatest run of a cycle, nm, in whole mm rounded up."""
-        return self.own.config.max_step_mm * NM_PER_MM
+        return self.own.config.max_cycle_distance_mm * NM_PER_MM
 
     @cached_property
     def along(self) -> Num:

@@ -147,7 +147,7 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
 
 def reported_run(fibre: FibreConfig) -> ReportedRun:
     """Return limit and error law of a pattern's measured run."""
-    return ReportedRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
+    return ReportedRun(fibre.max_cycle_distance_mm, fibre.rate_ppm, fibre.floor_mm)
 
 
 def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_model.Parts:
@@ -257,7 +257,7 @@ def _report_wires(
 
 def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
     """Return the wires of the area: the report of slot 1, its event, and the train's true ends."""
-    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("told")
+    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
     return {
         slot.event: entry_.passed_on,
         slot.next_all_out: entry_.next_inside.eq(0),

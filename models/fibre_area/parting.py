@@ -105,7 +105,7 @@ class Parts:
         self.reported_high = declared.state(number("reported_high_mm", MM, -limit, limit), first=0)
         self.rear_is = declared.ghost(boolean("rear_is_the_trains"), first=False)
         self.front_is = declared.ghost(boolean("front_is_the_trains"), first=False)
-        self.since = declared.ghost(number("run_since_whole_um", UM, 0, most), first=most)
+        self.since = declared.ghost(number("run_since_complete_um", UM, 0, most), first=most)
         self.body_rear = declared.ghost(number("body_rear_um", UM, -body, body), first=ANY)
         self.body_front = declared.ghost(number("body_front_um", UM, -body, body), first=ANY)
         self.lowest = declared.ghost(number("lowest_um", UM, -body, body), first=ANY)
@@ -117,7 +117,7 @@ class Parts:
         self.next_front_is = declared.choice(boolean("next_front_is_the_trains"))
         self.next_body_rear = declared.choice(number("next_body_rear_um", UM, -body, body))
         self.next_body_front = declared.choice(number("next_body_front_um", UM, -body, body))
-        self.step = declared.choice(number("step_um", UM, -pattern, pattern))
+        self.step = declared.choice(number("true_cycle_distance_um", UM, -pattern, pattern))
         self.next_rear = declared.choice(number("next_rear_um", UM, -far - step, far + step))
         self.next_front = declared.choice(number("next_front_um", UM, -far - step, far + step))
 

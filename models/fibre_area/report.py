@@ -130,7 +130,7 @@ def build(own: Parts) -> Report:
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs={
-            "told": own.reported & current.ne(neither),
+            "reported": own.reported & current.ne(neither),
             "low_mm": own.reported_low,
             "high_mm": own.reported_high,
             "integer": current.eq(whole),

@@ -189,7 +189,7 @@ class _Behind:
     def _into_area(self) -> Mapping[Var, Expr]:
         """The links have widened the intervals by their age, so the area adds none."""
         train, seen = self.train, self.trackside.machine
-        reported = seen.flag("told")
+        reported = seen.flag("reported")
         wires: dict[Var, Expr] = {
             train.rear.present: reported,
             train.front.present: reported,

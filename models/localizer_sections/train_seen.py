@@ -150,7 +150,7 @@ def build(own: Parts) -> TrainSeen:
         inputs=[*front.inputs, *far.inputs, own.age, own.upwards],
         state={own.known: False, own.known_age: 0, own.low: 0, own.high: 0, own.downwards: False},
         outputs={
-            "told": current.ne(table[0]),
+            "reported": current.ne(table[0]),
             "low_mm": own.low,
             "high_mm": own.high,
             "integer": current.eq(table[2]),

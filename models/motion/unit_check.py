@@ -178,7 +178,9 @@ def unit_check(
         band,
         creep,
         apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
-        reported=declared.state(boolean("distance_told"), first=False),
-        more=declared.state(number("told_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)), first=0),
-        unheard=declared.state(number("unheard_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
+        reported=declared.state(boolean("distance_reported"), first=False),
+        more=declared.state(
+            number("reported_more_nm", NM, 0, most_further_error_nm(limits.max_cycle_distance_mm)), first=0
+        ),
+        unheard=declared.state(number("unreported_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
     )

@@ -76,7 +76,7 @@ class Ghosts:
     """The world's variables: place of the front end and its run in the cycle, nm; and those of two units that check each other."""
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
     units: CheckGhosts | None
 
 
@@ -87,7 +87,7 @@ def ghosts(
     line = line_mm * NM_PER_MM
     return Ghosts(
         declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
-        declared.choice(number("true_step_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
+        declared.choice(number("true_cycle_distance_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
         None if laws is None else _units(declared, physics, laws, reported),
     )
 
@@ -111,7 +111,7 @@ def _unit(declared: Declared, physics: Physics, name: str) -> UnitGhosts:
     farthest = physics.farthest_mm
     silent = number(f"{name}_silent_cycles", COUNT, 0, physics.longest_cycles)
     return UnitGhosts(
-        declared.ghost(number(f"{name}_heard_mm", MM, -farthest, farthest), first=0),
+        declared.ghost(number(f"{name}_last_delivered_mm", MM, -farthest, farthest), first=0),
         declared.ghost(silent, first=physics.gap_limit_cycles + 1),
     )
 
@@ -154,7 +154,7 @@ class Surroundings:
 def world(declared: Declared, own: Surroundings) -> World:
     """Make the world: the true movement, and the laws of the vehicle and of the lawful unit."""
     seen = own.ghosts
-    moves: dict[Var, Expr] = {seen.truth: seen.truth + seen.true_step}
+    moves: dict[Var, Expr] = {seen.truth: seen.truth + seen.true_cycle_distance}
     laws = _vehicle_laws(own)
     if seen.units is not None:
         moves |= {seen.units.lawful: seen.units.lawful, seen.units.wander: own.wander_after}
@@ -186,10 +186,10 @@ def _half(own: Surroundings, lawful: object) -> int:
 
 def _vehicle_laws(own: Surroundings) -> dict[str, Law]:
     seen, farthest = own.ghosts, own.physics.farthest_nm
-    line = between(seen.truth.low, seen.truth + seen.true_step, seen.truth.high)
+    line = between(seen.truth.low, seen.truth + seen.true_cycle_distance, seen.truth.high)
     return {
         "the vehicle never exceeds its highest speed": Law(
-            between(-farthest, seen.true_step, farthest),
+            between(-farthest, seen.true_cycle_distance, farthest),
             "The vehicle runs no faster than its highest speed, either way.",
             ("max_speed_mm_s", "period_ms"),
             "[D] 160 km/h",
@@ -218,7 +218,7 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str, field: str) -> Law:
-    error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = own.ghosts.true_cycle_distance - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
     return Law(
@@ -239,7 +239,7 @@ def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
     nothing = all_of([odometer.can_be_run, check.can_be_run, odometer.measured.value.eq(0)])
     still = nothing & (check.measured.value <= floor) & (check.measured.value >= -floor)
     creep = creep_mm_s * own.physics.period_ms * (NM_PER_MM // THOUSAND)
-    stands = between(-creep, own.ghosts.true_step, creep) & seen.next_wander.eq(seen.wander)
+    stands = between(-creep, own.ghosts.true_cycle_distance, creep) & seen.next_wander.eq(seen.wander)
     return Law(
         (still & seen.lawful.eq(CHECK_LAWFUL)).implies(stands),
         "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or creeps no faster "

@@ -15,7 +15,7 @@ from safeloc.models.odometry.ghosts import Bounds, Ghosts, Movement, movement
 from safeloc.models.odometry.marker_reading import Reader, pending, reader
 from safeloc.models.odometry.satellite_reading import SatelliteReader, satellite_reader
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
 
@@ -93,8 +93,8 @@ class OdometryConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the devices, rounded so that the checks are no tighter than physics."""
-        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, self.gap_limit_cycles,
             self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm, self.single_fault_safe,
@@ -203,6 +203,6 @@ def _reader(declared: Declared, config: OdometryConfig, name: str, offset: Num, 
         since_ppm=max(config.first_unit.rate_ppm, config.second_unit.rate_ppm),
         unsteady_nm=(config.unsteady_nm(config.reader_latency_ms), config.unsteady_nm(config.period_ms)),
         position_limit_mm=config.position_limit_mm,
-        max_step_mm=config.limits.max_step_mm,
+        max_cycle_distance_mm=config.limits.max_cycle_distance_mm,
         last_identity=config.last_marker_identity,
     )

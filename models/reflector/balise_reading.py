@@ -57,7 +57,7 @@ class BaliseReading:
 def balise_reading(
     declared: Declared,
     limit_mm: int,
-    max_step_mm: int,
+    max_cycle_distance_mm: int,
     range_limit_mm: int,
     last_identity: int,
     *,
@@ -70,7 +70,7 @@ def balise_reading(
         declared.sensor(optional("balise", COUNT, 1, last_identity)),
         declared.sensor(optional("balise_position_mm", MM, -limit_mm, limit_mm)),
         declared.sensor(optional("balise_accuracy_mm", MM, 0, 100_000)),
-        declared.sensor(optional("balise_since_mm", MM, -max_step_mm, max_step_mm)),
+        declared.sensor(optional("balise_since_mm", MM, -max_cycle_distance_mm, max_cycle_distance_mm)),
         declared.sensor(optional("balise_reference_mm", MM, 0, range_limit_mm)),
         declared.sensor(optional("balise_search_from_mm", MM, 0, range_limit_mm)),
         accuracy_mm,

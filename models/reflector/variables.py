@@ -18,7 +18,7 @@ from safeloc.models.reflector.odometer import ReflectorOdometer
 from safeloc.models.reflector.ranging import RADAR, Ranging
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import max_step_mm
+from safeloc.models.vocabulary.measured import max_cycle_distance_mm
 from safeloc.models.vocabulary.odometer import most_further_error_nm
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM
 
@@ -119,8 +119,10 @@ class ReflectorConfig(Config):
             )
         if max(self.frame_latency_ms, self.balise_latency_ms) > self.period_ms:
             raise ValueError("frame_latency_ms and balise_latency_ms must not exceed period_ms: older data is stale.")
-        if self.reference_run_mm < self.max_step_mm:
-            raise ValueError(f"reference_run_mm must not be below {self.max_step_mm} mm, the distance of one cycle.")
+        if self.reference_run_mm < self.max_cycle_distance_mm:
+            raise ValueError(
+                f"reference_run_mm must not be below {self.max_cycle_distance_mm} mm, the distance of one cycle."
+            )
         return self
 
     @property
@@ -134,9 +136,9 @@ class ReflectorConfig(Config):
         return self.map_accuracy_mm * NM_PER_MM
 
     @property
-    def max_step_mm(self) -> int:
+    def max_cycle_distance_mm(self) -> int:
         """The greatest distance that is measured in a cycle, mm."""
-        return max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        return max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
 
     @property
     def blind_nm(self) -> int:
@@ -249,7 +251,7 @@ def moving(config: ReflectorConfig) -> Moving:
     reach, most = config.reach_nm, config.odometer.wander_nm
     return Moving(
         truth=number("truth_nm", NM, -reach, reach),
-        true_step=number("true_step_nm", NM, -config.blind_nm, config.blind_nm),
+        true_cycle_distance=number("true_cycle_distance_nm", NM, -config.blind_nm, config.blind_nm),
         wander=number("wander_nm", NM, -most, most),
         next_wander=number("next_wander_nm", NM, -most, most),
     )
@@ -264,13 +266,13 @@ def _stored(declared: Declared, name: str, limit_mm: int, tolerance_nm: int) -> 
 
 
 def _odometer(declared: Declared, config: ReflectorConfig) -> ReflectorOdometer:
-    reach, most = 2 * config.max_step_mm + 1_000, most_further_error_nm(config.max_step_mm)
+    reach, most = 2 * config.max_cycle_distance_mm + 1_000, most_further_error_nm(config.max_cycle_distance_mm)
     return ReflectorOdometer(
         config.odometer,
-        declared.sensor(optional("step_mm", MM, -reach, reach)),
+        declared.sensor(optional("distance_mm", MM, -reach, reach)),
         declared.state(number("odometer_gap_cycles", COUNT, 0, config.gap_limit_cycles + 1), first=0),
         config,
-        more=declared.sensor(number("step_more_nm", NM, 0, most)) if config.checked_distance else None,
+        more=declared.sensor(number("distance_more_nm", NM, 0, most)) if config.checked_distance else None,
     )
 
 
@@ -278,7 +280,7 @@ def _balise(declared: Declared, config: ReflectorConfig) -> BaliseReading:
     return balise_reading(
         declared,
         config.position_limit_mm,
-        config.max_step_mm,
+        config.max_cycle_distance_mm,
         config.range_limit_mm,
         config.last_balise_identity,
         accuracy_mm=config.balise_accuracy_mm,

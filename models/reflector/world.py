@@ -104,7 +104,7 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
 
 def _after(own: Parts) -> Num:
     """Return the place of end A at the end of the cycle, nm."""
-    return own.ghosts.truth + own.ghosts.true_step
+    return own.ghosts.truth + own.ghosts.true_cycle_distance
 
 
 # ------------------------------------------------------------------ odometer
@@ -139,7 +139,7 @@ def _run_blind_nm(config: ReflectorConfig) -> int:
 def _odometer_law(own: Parts) -> Law:
     seen, config = own.ghosts, own.config
     counted = ite(can_be_run(own), exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_step - (_wander_after(own) - seen.wander) - counted
+    error = seen.true_cycle_distance - (_wander_after(own) - seen.wander) - counted
     lawful = _allowed(config.odometer, own.odometer.measured.value, config.period_ms)
     most = _further_error(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
     return Law(

@@ -78,7 +78,7 @@ def line(config: ReflectorDeviceConfig) -> Line:
         declared,
         last_identity=of_groups.last_group_identity,
         position_limit_mm=of_groups.position_limit_mm,
-        max_step_mm=of_groups.limits.max_step_mm,
+        max_cycle_distance_mm=of_groups.limits.max_cycle_distance_mm,
         age_limit_ms=of_groups.telegram_age_limit_ms,
         reflector_reach_mm=of_groups.reflector_reach_mm,
     )

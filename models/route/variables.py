@@ -23,7 +23,7 @@ from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.route.ghosts import Bounds, ghosts
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import odometer
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL
@@ -61,8 +61,8 @@ class RouteConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that its checks are no tighter than physics."""
-        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap = self.gap_limit_cycles
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.length_limit_mm, False

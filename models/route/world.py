@@ -54,7 +54,7 @@ def measuring(own: Parts) -> Measuring:
 
 def _after(own: Parts) -> Num:
     """Return the place of end A at the end of the cycle; a start gives a new one."""
-    return ite(own.start.present, own.ghosts.next_truth, own.ghosts.truth + own.ghosts.true_step)
+    return ite(own.start.present, own.ghosts.next_truth, own.ghosts.truth + own.ghosts.true_cycle_distance)
 
 
 def _route(own: Parts) -> Num:
@@ -67,7 +67,7 @@ def _route(own: Parts) -> Num:
 
 def _odometer_law(own: Parts) -> Law:
     seen, odometer = own.ghosts, measuring(own)
-    error = seen.true_step - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = seen.true_cycle_distance - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
     return Law(
         odometer.can_be_run.implies(odometer.allows(error)),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
@@ -83,7 +83,7 @@ def _odometer_law(own: Parts) -> Law:
 def _speed_law(own: Parts) -> Law:
     farthest = own.config.physics.farthest_nm
     return Law(
-        between(-farthest, own.ghosts.true_step, farthest),
+        between(-farthest, own.ghosts.true_cycle_distance, farthest),
         "The vehicle runs no faster than its highest speed, either way.",
         ("max_speed_mm_s", "period_ms"),
         "[D] 160 km/h",
@@ -95,7 +95,7 @@ def _speed_law(own: Parts) -> Law:
 def _line_law(own: Parts) -> Law:
     truth = own.ghosts.truth
     return Law(
-        between(truth.low, truth + own.ghosts.true_step, truth.high),
+        between(truth.low, truth + own.ghosts.true_cycle_distance, truth.high),
         "The coordinates of the routes do not end before the vehicle does.",
         ("length_limit_mm",),
         "[D] 100 km from the common start",

@@ -245,9 +245,9 @@ def _reported(declared: Declared, config: SectionsConfig) -> _Reported:
         trains=declared.state(number("trains_here", COUNT, 0, trains), first=0),
         first_train=declared.state(number("first_train_here", COUNT, 0, trains), first=0),
         followed=declared.state(number("trains_followed_here", COUNT, 0, trains), first=0),
-        evidence=declared.state(choice("rests_on", enumeration(EVIDENCE)), first=NOTHING_YET),
-        age=declared.state(number("rests_on_age_cycles", COUNT, 0, count), first=0),
-        trust=declared.state(choice("told_with", enumeration(TRUST)), first=NO_TRUST),
+        evidence=declared.state(choice("evidence", enumeration(EVIDENCE)), first=NOTHING_YET),
+        age=declared.state(number("evidence_age_cycles", COUNT, 0, count), first=0),
+        trust=declared.state(choice("trust", enumeration(TRUST)), first=NO_TRUST),
     )
 
 

@@ -56,7 +56,7 @@ def _distance_after(own: Parts) -> Num:
     """Return the true distance at the end of the cycle: from the group that is read if it can serve, else from the one before."""
     seen = own.world
     anew = exact_to(as_num(own.config.antenna_mm, MM), NM) + seen.detected + seen.true_since
-    return ite(serves(own), anew, seen.distance + seen.true_step)
+    return ite(serves(own), anew, seen.distance + seen.true_cycle_distance)
 
 
 # ------------------------------------------------------------------ the vehicle and its odometer
@@ -79,8 +79,8 @@ def _wander_after(own: Parts) -> Num:
 def _odometer_law(own: Parts) -> Law:
     seen, unit = own.world, measuring(own)
     farthest = unit.physics.farthest_nm
-    error = seen.true_step - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
-    blind = between(-farthest, seen.true_step, farthest)
+    error = seen.true_cycle_distance - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
+    blind = between(-farthest, seen.true_cycle_distance, farthest)
     counts = unit.can_be_run
     return Law(
         (counts & unit.allows(error)) | (~counts & blind),

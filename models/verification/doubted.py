@@ -45,7 +45,7 @@ class Doubted:
     width        distance between the outermost places possible for the front by the last record and the top speed alone
     record_ago   cycles since that record, up to one more than a place can be used
     spread       distance between the bounds of the length in that record
-    untold_for   cycles since the fibre reported the train's count, or its length within tolerance and spread
+    since_confirmed   cycles since the fibre reported the train's count, or its length within tolerance and spread
     """
 
     own: Parts
@@ -54,7 +54,7 @@ class Doubted:
     width: NumVar
     record_ago: NumVar
     spread: NumVar
-    untold_for: NumVar
+    since_confirmed: NumVar
 
 
 def doubted(own: Parts) -> Doubted:
@@ -69,7 +69,7 @@ def doubted(own: Parts) -> Doubted:
         number("record_width_nm", NM, -wide, wide),
         number("record_ago_cycles", COUNT, 0, cycles),
         number("record_spread_um", UM, -own.length.high, own.length.high),
-        number("untold_for_cycles", COUNT, 0, config.currency_cycles + 1),
+        number("since_confirmed_cycles", COUNT, 0, config.currency_cycles + 1),
     )
 
 
@@ -81,7 +81,7 @@ def world(train: Doubted) -> World:
             **own.declared.ghosts,
             **dict.fromkeys((train.speed, train.width, train.spread), ANY),
             train.record_ago: 0,
-            train.untold_for: 0,
+            train.since_confirmed: 0,
         },
         choices=[*own.declared.choices, train.next_speed],
         moves={
@@ -108,12 +108,12 @@ def _since_record(train: Doubted) -> dict[Var, Num]:
     width = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
     grown = minimum(train.width + 2 * _run_nm(own), train.width.high)
     spread = ite(came, exact_to(own.record_high - own.record_low, UM), train.spread)
-    older = minimum(train.untold_for + 1, train.untold_for.high)
+    older = minimum(train.since_confirmed + 1, train.since_confirmed.high)
     return {
         train.width: ite(came, width, grown),
         train.record_ago: ite(came, 0, minimum(train.record_ago + 1, train.record_ago.high)),
         train.spread: spread,
-        train.untold_for: ite(_measured_right(own, spread), as_num(0, COUNT), older),
+        train.since_confirmed: ite(_measured_right(own, spread), as_num(0, COUNT), older),
     }
 
 

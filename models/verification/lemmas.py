@@ -48,7 +48,7 @@ def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool
         "a trusted position is the last place": trusted.implies(
             own.place_known & own.reach.eq(0) & own.last_place.eq(own.front)
         ),
-        "a verification is no younger than the fibre's right data": known.implies(train.untold_for <= own.age),
+        "a verification is no younger than the fibre's right data": known.implies(train.since_confirmed <= own.age),
     }
 
 

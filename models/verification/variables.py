@@ -172,9 +172,9 @@ class Parts:
     def _keep_reference(self, declared: Declared, config: VerificationConfig) -> None:
         """Declare the stored reference, and what follows from it alone."""
         limit, long, possible = config.position_limit_mm, config.length_limit_mm, config.possible_mm
-        self.kept_count = declared.state(number("kept_axles", COUNT, 0, config.axle_limit), first=0)
-        self.kept_low = declared.state(number("kept_length_low_mm", MM, 0, long), first=0)
-        self.kept_high = declared.state(number("kept_length_high_mm", MM, 0, long), first=0)
+        self.kept_count = declared.state(number("stored_axles", COUNT, 0, config.axle_limit), first=0)
+        self.kept_low = declared.state(number("stored_length_low_mm", MM, 0, long), first=0)
+        self.kept_high = declared.state(number("stored_length_high_mm", MM, 0, long), first=0)
         self.possible_low = declared.state(number("possible_low_mm", MM, -possible, limit), first=0)
         self.possible_high = declared.state(number("possible_high_mm", MM, -limit, possible), first=0)
 

@@ -352,7 +352,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
         helper=lambda waited: waited <= odometer.gap,
     )
     limits = own.config.limits
-    possible = between(-limits.max_step_mm, odometer.measured.value, limits.max_step_mm)
+    possible = between(-limits.max_cycle_distance_mm, odometer.measured.value, limits.max_cycle_distance_mm)
     gate = possible if own.config.checked_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",

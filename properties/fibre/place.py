@@ -41,7 +41,7 @@ def _interval(model: Fibre) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "tolerance",
-        valid.implies(above <= own.config.tolerance_mm + own.config.max_step_mm * 4),
+        valid.implies(above <= own.config.tolerance_mm + own.config.max_cycle_distance_mm * 4),
         statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
     )
 

@@ -75,7 +75,7 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
     sides = ((own.track.above, least + own.open_long), (own.track.below, least + own.open_short))
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
-    late = with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
+    late = with_unit(as_num(config.max_cycle_distance_mm, MM) * share, NM) + more
     place = machine.output("reflector_position_mm") + config.radar_offset_mm
     yield for_all_inputs(
         "errors of radar and survey make up the margins",

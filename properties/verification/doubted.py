@@ -237,7 +237,7 @@ def _cycles(figures: Figures) -> Iterator[Property]:
     own, trusted, train = figures.own, figures.trusted, figures.train
     yield _whatever_the_fibre_tells(
         "a fibre without right count or length withholds",
-        trusted.implies(train.untold_for <= own.config.currency_cycles),
+        trusted.implies(train.since_confirmed <= own.config.currency_cycles),
         statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
         "currency_cycles and one cycle",
     )

@@ -192,7 +192,7 @@ def test_a_stale_reading_narrows_nothing() -> None:
 def labels_of_area(trace: Trace) -> list[str]:
     """What became of the train's report in every cycle."""
     unit = made().area.own.slots[0].last_verdict.unit
-    return [str(unit.members[int(step.state["area.train_1_judged"])]) for step in trace.steps]  # type: ignore[union-attr]
+    return [str(unit.members[int(step.state["area.train_1_last_verdict"])]) for step in trace.steps]  # type: ignore[union-attr]
 
 
 def test_cycles_that_differ_are_refused() -> None:

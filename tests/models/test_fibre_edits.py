@@ -71,7 +71,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "a section missed while running down": ("overdue", missed_above_only, "missed section raises F at once"),
     "no section is ever missed": ("overdue", lambda _c, _r: FALSE, "missed section raises F at once"),
     "the window without what the run may be wrong by": (
-        "fits", lambda c, _: expected(c, READ_MM + CONFIG.max_step_mm), "a located end stays located"),
+        "fits", lambda c, _: expected(c, READ_MM + CONFIG.max_cycle_distance_mm), "a located end stays located"),
     "a window far too wide": ("fits", lambda c, _: expected(c, 3_000_000), "containment"),
     "any place for a section": (
         "fits", lambda c, _: c.own.ahead.known & ~c.full, "false section raises F at once"),

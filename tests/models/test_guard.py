@@ -76,7 +76,7 @@ def modes(trace: Trace) -> list[str]:
 
 def reasons(trace: Trace) -> list[str]:
     """What became of each step's delivery."""
-    return [JUDGED[int(step.state["judged"])].label for step in trace.steps]
+    return [JUDGED[int(step.state["last_verdict"])].label for step in trace.steps]
 
 
 BELIEVED = [at(0), at(0), at(0)]
@@ -435,7 +435,7 @@ def test_speed_that_disagrees_with_the_distance_run() -> None:
     config = GuardConfig(confirmations=2)
     system = without_ghosts(lower(build(parts(config)).machine))
     trace = run(system, [*[at(0)] * 42, at(0, fix_speed_mm_s=20_000)])
-    assert "SPEED_DISAGREES" == JUDGED[int(trace.steps[-1].state["judged"])].label
+    assert "SPEED_DISAGREES" == JUDGED[int(trace.steps[-1].state["last_verdict"])].label
 
 
 def test_the_same_instant_moves_nothing() -> None:

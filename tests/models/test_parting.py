@@ -60,7 +60,7 @@ def alone() -> tuple[Machine, Report]:
 def holds(machine: Machine, report: Report) -> Property:
     """Where it is told as whole, the train with all that it lost lies between the bounds, but for the reading's age."""
     own = report.own
-    told = machine.flag("told") & machine.flag("integer") & own.age.eq(0)
+    told = machine.flag("reported") & machine.flag("integer") & own.age.eq(0)
     low, high = exact_to(own.reported_low, UM), exact_to(own.reported_high, UM)
     inside = (own.next_rear >= low) & (own.next_front <= high)
     return always(HELD, told.implies(inside), statement="it does", assumption="the laws of the report")
@@ -90,7 +90,7 @@ def test_a_run_refutes_one_millimetre_less(monkeypatch: pytest.MonkeyPatch) -> N
     assert isinstance(found, Violated)
     assert found.trace is not None
     last = found.trace.steps[-1]
-    assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_whole_um"] < UM_PER_MM
+    assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_complete_um"] < UM_PER_MM
 
 
 Wrong = Callable[..., object]
