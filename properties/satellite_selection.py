@@ -1,4 +1,4 @@
-"""Properties of satellite selection (SAT-1 to SAT-4, SAT-D1)."""
+"""Properties of satellite selection (SAT-1 to SAT-4, SAT-6, SAT-D1)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from safeloc.models.satellite_selection.variables import (
     EXCLUDED,
     EXPIRED,
     SILENT,
+    UNLISTED,
     USABLE,
     WARMING,
     Channel,
@@ -22,15 +23,16 @@ from safeloc.models.satellite_selection.variables import (
 )
 
 LAW = "differences are the signal's error plus the prediction's, less the clock's"
+_COARSE = "the elevation by a current almanac is off by no more than its accuracy"
 BOUNDED = "the prediction's error makes no more of the difference than configured, nor does the clock's"
 for_all_inputs = partial(always, requirements=("SAT-1", "SAT-D1"), unconditional=True)
 
 
 def properties(model: Selection) -> list[Property]:
     """Return all properties of the selection machine."""
-    makers = (_kept_out, _healthy_stay, _standing_is_reported, _bounded)
+    makers = (_kept_out, _healthy_stay, _standing_is_reported, _bounded, _listed)
     found = [prop for one in model.own.channels for make in makers for prop in make(model, one)]
-    return [*found, _subset(model), *_once(model), *_counted(model)]
+    return [*found, _subset(model), *_once(model), *_counted(model), *_almanac(model)]
 
 
 def _kept_out(model: Selection, one: Channel) -> Iterator[Property]:
@@ -70,19 +72,23 @@ def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
     )
     yield for_all_inputs(
         f"{name}: exclusion leaves no trace",
-        one.standing.eq(USABLE).iff(ready & ~_reported_before(model, one) & ~violated(one, config, config.removal)),
-        statement="whether a satellite is usable follows from this cycle's measurements and its warm-up alone: earlier "
-        "exclusions count for nothing, as the list starts anew from all visible ones",
+        one.standing.eq(USABLE).iff(
+            ready & ~_reported_before(model, one) & ~violated(one, config, config.removal) & ~_unlisted(model, one)
+        ),
+        statement="whether a satellite is usable follows from this cycle's measurements and almanac, and its warm-up, alone: "
+        "earlier exclusions count for nothing, as the list starts anew from all visible ones",
     )
 
 
 def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
     """Claim the reason why a satellite is not usable, and how long it has been followed."""
     config, name, now = model.own.config, f"channel {one.number}", one.standing
-    here = one.identity.present & ~_reported_before(model, one)
+    received = one.identity.present & ~_reported_before(model, one)
+    here = received & ~_unlisted(model, one)
     measured, ready = _measured(model, one), _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
     meanings = (
-        (ABSENT, ~here),
+        (ABSENT, ~received),
+        (UNLISTED, received & _unlisted(model, one)),
         (EXPIRED, here & ~one.ephemeris),
         (SILENT, here & one.ephemeris & ~_is_compared(model, one)),
         (WARMING, here & measured & ~ready),
@@ -91,9 +97,9 @@ def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name}: an unusable satellite has its true reason",
         all_of(now.eq(label).iff(meaning) for label, meaning in meanings),
-        statement="a channel is reported to be empty, to have expired data, to lack a measurement, to lack a covariance, or to "
-        "violate the criterion exactly where that is so",
-        requirements=("SAT-1", "SAT-3", "SAT-D1"),
+        statement="a channel is reported to be empty, not to be listed by the almanac, to have expired data, to lack a "
+        "measurement, to lack a covariance, or to violate the criterion exactly where that is so",
+        requirements=("SAT-1", "SAT-3", "SAT-6", "SAT-D1"),
     )
     followed = one.identity.value.eq(before(one.held)) & (before(one.warm) > 0)
     cycles = ite(followed, minimum(before(one.warm) + 1, config.warm_up_cycles), as_num(1, COUNT))
@@ -128,6 +134,69 @@ def _bounded(model: Selection, one: Channel) -> Iterator[Property]:
             requirements=("SAT-1", "SAT-4"),
             assumption=f"{LAW}; {BOUNDED}",
         )
+
+
+def _listed(model: Selection, one: Channel) -> Iterator[Property]:
+    """Claim what a current almanac excludes, in the almanac's own figures and in the sky."""
+    config, name, current = model.own.config, f"channel {one.number}", _is_current(model)
+    low = config.almanac_mask_mrad - config.almanac_accuracy_mrad
+    yield for_all_inputs(
+        f"{name}: what the almanac does not list is not usable",
+        (current & one.standing.eq(USABLE)).implies(
+            one.elevation.present & (one.elevation.value >= config.almanac_mask_mrad)
+        ),
+        statement="with a current almanac no satellite is usable that it does not have, has as unhealthy, or has below its mask",
+        requirements=("SAT-6", "SAT-D1"),
+    )
+    yield always(
+        f"{name}: a usable satellite is above the horizon",
+        (current & one.standing.eq(USABLE)).implies((one.true_elevation >= low) & (one.true_elevation > 0)),
+        statement="with a current almanac every usable satellite stands above the horizon, by at least the mask less the "
+        "almanac's accuracy",
+        requirements=("SAT-6",),
+        assumption=_COARSE,
+    )
+    high = config.almanac_mask_mrad + config.almanac_accuracy_mrad
+    yield always(
+        f"{name}: the almanac refuses none in full view",
+        (current & one.elevation.present & (one.true_elevation >= high)).implies(one.standing.ne(UNLISTED)),
+        statement="a satellite that a current almanac has, and that stands above the mask by at least the almanac's accuracy, "
+        "is not refused because of the almanac",
+        requirements=("SAT-6",),
+        assumption=_COARSE,
+    )
+
+
+def _almanac(model: Selection) -> Iterator[Property]:
+    """Claim what follows from an almanac that is too old, or missing."""
+    machine, own, current = model.machine, model.own, _is_current(model)
+    standings = [one.standing for one in own.channels]
+    if own.config.almanac == "required":
+        wanted, stated = own.usable.eq(0), "no satellite is usable, since which ones may be visible is not known"
+    else:
+        wanted = all_of(standing.ne(UNLISTED) for standing in standings)
+        stated = "no satellite is refused because of it: it is not used, and those may be visible that are received"
+    yield for_all_inputs(
+        "an expired almanac is not used",
+        (~current).implies(wanted) & machine.flag("almanac_current").iff(current),
+        statement=f"without an almanac, and with one that is older than its limit, {stated}; the machine reports which of both it is",
+        requirements=("SAT-6", "SAT-D1"),
+    )
+
+
+def _is_current(model: Selection) -> Bool:
+    """There is an almanac, no older than its limit."""
+    age = model.own.almanac_age
+    return age.present & ~(age.value > model.own.config.almanac_limit_s)
+
+
+def _unlisted(model: Selection, one: Channel) -> Bool:
+    """The almanac keeps the satellite of this channel from being used."""
+    config = model.own.config
+    missing = ~one.elevation.present | (one.elevation.value < config.almanac_mask_mrad)
+    if config.almanac == "required":
+        return missing | ~_is_current(model)
+    return missing & _is_current(model)
 
 
 def violated(one: Channel, config: SelectionConfig, removal: Removal) -> Bool:

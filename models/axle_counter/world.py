@@ -11,7 +11,8 @@ from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, between, exact_t
 from safeloc.language.units import MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
-from safeloc.models.axle_head import DOWN, NO_AXLE, UP
+from safeloc.models.axle_head import NO_AXLE
+from safeloc.models.vocabulary.head_contract import counts_every_axle
 
 _ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
 
@@ -44,15 +45,20 @@ def world(own: Parts) -> World:
 
 
 def _head_laws(own: Parts) -> dict[str, Bool | Law]:
-    count = ite(own.axle.eq(NO_AXLE), 0, own.number)
-    way = own.axle.eq(UP).implies(own.axle_speed > 0) & own.axle.eq(DOWN).implies(own.axle_speed < 0)
     measured = own.axle.ne(NO_AXLE) & own.slow.present & own.fast.present
     slow, fast = exact_to(own.slow.value, UM_S), exact_to(own.fast.value, UM_S)
     return {
         "a head without a fault counts every axle": Law(
-            (~own.fault).implies(own.true_axles.eq(count) & way),
+            counts_every_axle(
+                fault=own.fault,
+                axle=own.axle,
+                number=own.number,
+                passed=own.true_axles,
+                upwards=own.axle_speed > 0,
+                downwards=own.axle_speed < 0,
+            ),
             "As long as the head is not at fault, it reports every axle once, in its cycle and with its direction.",
-            source="[S] DP 1 728 700: overlapping pulses; proved of the counting head",
+            source="[S] DP 1 728 700: overlapping pulses; proved of the counting head through a cycle (counting_head)",
             owner="supplier",
             check="counts of neighbouring counters and of the fibre compared",
         ),

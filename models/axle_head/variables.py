@@ -48,6 +48,7 @@ class Parts:
 
     wheel     ghost: where the wheel nearest to the head is, upwards from where it begins to damp channel A
     from_low  ghost: the wheel over the head came from below
+    passed    ghost: the wheel that left the head in this sample on the side that it did not come from, by its direction
     """
 
     def __init__(self, config: AxleHeadConfig) -> None:
@@ -58,6 +59,7 @@ class Parts:
         self.axle = declared.state(choice("axle", enumeration(AXLE)), first=NO_AXLE)
         self.wheel = declared.ghost(number("wheel_um", UM, -BESIDE_UM, BESIDE_UM), first=-BESIDE_UM)
         self.from_low = declared.ghost(boolean("wheel_from_low"), first=False)
+        self.passed = declared.ghost(choice("wheel_passed", enumeration(AXLE)), first=NO_AXLE)
         self.next_wheel = declared.choice(number("next_wheel_um", UM, -BESIDE_UM, BESIDE_UM))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from safeloc.language.expr import Bool, Lit, Num, NumVar, between, ite
 from safeloc.language.units import UM, UM_PER_MM, US_PER_S
 from safeloc.language.world import Law, World
-from safeloc.models.axle_head.variables import AxleHeadConfig, Parts
+from safeloc.models.axle_head.variables import DOWN, NO_AXLE, UP, AxleHeadConfig, Parts
 
 SAMPLED = ("max_speed_mm_s", "sample_us")
 
@@ -20,7 +20,7 @@ def world(own: Parts) -> World:
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
-        moves={own.wheel: own.next_wheel, own.from_low: _from_low(own)},
+        moves={own.wheel: own.next_wheel, own.from_low: _from_low(own), own.passed: _passed(own)},
         clauses=_clauses(own),
     )
 
@@ -66,3 +66,12 @@ def _from_low(own: Parts) -> Bool:
     comes = ~_over_head(own.wheel, own.config) & _over_head(own.next_wheel, own.config)
     zero: Num = Lit(0, UM)
     return ite(comes, own.wheel < zero, own.from_low)
+
+
+def _passed(own: Parts) -> Num:
+    """Return the direction of a wheel that leaves the head in this sample, on the other side than that from which it came."""
+    leaves = _over_head(own.wheel, own.config) & ~_over_head(own.next_wheel, own.config)
+    above, zero = Lit(_length_um(own.config), UM), Lit(0, UM)
+    through_up = leaves & own.from_low & (own.next_wheel >= above)
+    through_down = leaves & ~own.from_low & (own.next_wheel < zero)
+    return ite(through_up, UP, ite(through_down, DOWN, NO_AXLE))

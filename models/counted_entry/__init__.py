@@ -6,7 +6,8 @@
 
 All act in one step. That an undisturbed record is true is not assumed: the counter's claims of count, length, place and speed
 prove it. What is assumed of the counting head are its own laws, and of the train its traction, brakes and headway. The counting
-head is no part of the step: it samples its channels some two hundred times a cycle (models.axle_head).
+head is no part of the step: it samples its channels some two hundred times a cycle. That a cycle without a fault is reported as it was
+is proved of it by itself (models.counting_head).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The satellite chain, epoch by epoch: from observations, ephemerides and map to the machine's step (SAT-1 to SAT-6).
 
-    chain = EpochChain(ChainConfig(), navigation, LineTrack(routes, height_m).portions)
+    chain = EpochChain(ChainConfig(), navigation, LineTrack(routes, height_m).portions, almanac)
     for epoch in epochs:                                  # one call a machine cycle, also without an epoch
         outcome = chain.step(Cycle(epoch))                # Cycle(epoch, reference=..., run=..., faults=...)
         outcome.outputs["valid"], outcome.outputs["position_mm"]
@@ -9,10 +9,12 @@ One cycle at time t:
 
 1. E(t-1) is the machine's own state. E*(t) follows from it at constant acceleration, laid along the portion of track that
    the map gives; no other sensor enters (SAT-1). At an undecided switch it is laid along both portions, or along none.
-2. Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
+2. The almanac, if there is one, gives its age and the elevation of each received satellite from there; the selection
+   machine uses it only while it is current (SAT-6). Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
    the receiver's clock goes by the median of each constellation.
 3. The selection machine gives the usable satellites (LSVU) of this cycle; position and speed are solved from these alone
-   (SAT-5), with their dilution, sum |a_i|. The machine itself adds the greatest error of a usable signal, times the dilution.
+   (SAT-5), with their dilution, sum |a_i|. Every solution is solved again, by another method, from the satellites that it
+   names; one that does not follow from usable ones is no solution (`Outcome.unconfirmed`). The machine itself adds the greatest error of a usable signal, times the dilution.
 4. The composed machine takes one step with the same inputs. `outcome.inputs` is that step: written to a step stream, it
    replays to the same result.
 
@@ -23,10 +25,10 @@ The receiver's clock may be wrong by less than that.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, Protocol
 
 from pydantic import Field
 
@@ -42,14 +44,18 @@ from safeloc.models.satellite.sighting import Sighting, Track, sighted, true_tim
 from safeloc.models.satellite.trusted_inputs import Reference, Run, trusted_inputs
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite_selection import STANDING
+from safeloc.models.satellite_selection.variables import OLDEST_S
 from safeloc.runtime.border import Fault, Reason
-from safeloc.sensing.satellite.channels import Channels, Received
+from safeloc.sensing.satellite.almanac import Almanac
+from safeloc.sensing.satellite.channels import Channels, ChannelValues, Received
+from safeloc.sensing.satellite.confirmation import refuted
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.navigation import Navigation
+from safeloc.sensing.satellite.places import Place
 from safeloc.sensing.satellite.solution import Bounds, Look, Solution, Weighting, solve
 from safeloc.sensing.satellite.track_fit import NoSolution
 
-__all__ = ["ChainConfig", "Cycle", "EpochChain", "Outcome", "Reference", "Run", "Track"]
+__all__ = ["ChainConfig", "Cycle", "EpochChain", "Outcome", "Reference", "Run", "Solver", "Track"]
 
 
 class ChainConfig(Config):
@@ -94,9 +100,10 @@ class Outcome:
     inputs     the composed machine's step, by name; outputs: what it says afterwards
     fired      the transitions that fired, by machine
     ahead      E*(t); None while unlocated
-    standings  per visible satellite, what the selection says: USABLE, EXCLUDED, WARMING, SILENT, EXPIRED, ABSENT
+    standings  per visible satellite, what the selection says: USABLE, EXCLUDED, WARMING, SILENT, EXPIRED, UNLISTED, ABSENT
     sighting   residuals on every possible portion, none without a prediction
     solution   fits with bounds; None without one: `outputs["position.missing"]` says why
+    unconfirmed  why a solution was refused that does not follow from usable satellites that it names; otherwise empty
     faults     what was left out, with the reason
     """
 
@@ -107,12 +114,21 @@ class Outcome:
     standings: Mapping[str, str]
     sighting: Sighting
     solution: Solution | None
+    unconfirmed: str
     faults: tuple[Fault, ...]
 
     @property
     def usable(self) -> frozenset[str]:
         """The satellites in the list of usable ones (LSVU)."""
         return frozenset(name for name, standing in self.standings.items() if standing == "USABLE")
+
+
+class Solver(Protocol):
+    """A function that solves for place and speed from the named satellites; NoSolution if there is no solution."""
+
+    def __call__(self, looks: Sequence[Look], used: frozenset[str], *, free: bool, weighting: Weighting) -> Solution:
+        """Solve on every look."""
+        ...
 
 
 UNLOCATED = 0
@@ -131,11 +147,22 @@ def _programs(figures: str) -> tuple[Compiled, Compiled]:
 
 
 class EpochChain:
-    """The on-board system: receiver channels, memory with validity periods and map, and the machine (SAT-6)."""
+    """The on-board system: receiver channels, memory with almanac, ephemerides and map, and the machine (SAT-6).
 
-    def __init__(self, config: ChainConfig, navigation: Navigation, track: Track) -> None:
+    almanac  None: there is none, as before the receiver has collected it
+    solver   is checked in every cycle, so nothing is trusted of it
+    """
+
+    def __init__(
+        self,
+        config: ChainConfig,
+        navigation: Navigation,
+        track: Track,
+        almanac: Almanac | None = None,
+        solver: Solver = solve,
+    ) -> None:
         self.config = config
-        self._navigation, self._track = navigation, track
+        self._navigation, self._track, self._almanac, self._solver = navigation, track, almanac, solver
         self._code, self._select = _programs(config.satellite.model_dump_json())
         self._state, self._selected = self._code.first(), self._select.first()
         self._channels = Channels(config.satellite.selection.channels, config.window_epochs)
@@ -155,7 +182,7 @@ class EpochChain:
         received = self._received(epoch, seen)
         standings = self._standings(received)
         usable = frozenset(name for name, standing in standings.items() if standing == "USABLE")
-        solution, missing = self._solution(predicted, seen, received, usable)
+        solution, missing, unconfirmed = self._solution(predicted, seen, received, usable)
         fix = no_fix(missing)
         if solution is not None and predicted is not None:
             fix = self._fix(solution, predicted, seen.offset_s)
@@ -163,7 +190,7 @@ class EpochChain:
         self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         outputs, fired = self._code.named_outputs(self._state), self._code.fired(numbers)
         faults = (*cycle.faults, *late, *received.faults)
-        return Outcome(inputs, outputs, fired, predicted, standings, seen, solution, faults)
+        return Outcome(inputs, outputs, fired, predicted, standings, seen, solution, unconfirmed, faults)
 
     # ------------------------------------------------------------------ what is seen
 
@@ -196,7 +223,22 @@ class EpochChain:
         low = frozenset().union(*(look.low for look in seen.residuals))
         at_s = 0.0 if epoch is None else epoch.time_s
         valid = frozenset(name for name in names if self._navigation.valid(name, at_s) is not None)
-        return self._channels.hear(names - low, valid - low, seen.residuals)
+        received = self._channels.hear(names - low, valid - low, seen.residuals)
+        return replace(received, inputs={**received.inputs, **self._by_almanac(received, seen, at_s)})
+
+    def _by_almanac(self, received: Received, seen: Sighting, at_s: float) -> ChannelValues:
+        """Return the almanac's age, and by it the elevation of every satellite on a channel, the least of all portions."""
+        age_s = None if self._almanac is None or not seen.places else self._almanac.age_s(at_s)
+        if self._almanac is None or age_s is None:
+            return {}
+        values: ChannelValues = {"almanac_age_s": min(age_s, OLDEST_S)}
+        places = [Place.of_earth_fixed(one.point_m) for one in seen.places]
+        for name, number in received.channels.items():
+            elevations = [self._almanac.elevation_mrad(name, at_s, place) for place in places]
+            known = [one for one in elevations if one is not None]
+            if known:
+                values[f"channel_{number}_almanac_mrad"] = min(known)
+        return values
 
     # ------------------------------------------------------------------ what becomes of it
 
@@ -210,21 +252,27 @@ class EpochChain:
 
     def _solution(
         self, predicted: Ahead | None, seen: Sighting, received: Received, usable: frozenset[str]
-    ) -> tuple[Solution | None, str]:
-        """Return the solution from usable satellites only, or None with the reason."""
+    ) -> tuple[Solution | None, str, str]:
+        """Return the solution from usable satellites only, or None with the reason, and why a solution was refused."""
         if predicted is None or seen.missing:
-            return None, seen.missing
+            return None, seen.missing, ""
         if not usable:
-            return None, "NONE_LEFT"
+            return None, "NONE_LEFT", ""
+        looks = self._looks(predicted, seen, received)
+        free, weighting = self.config.solution == "free", self.config.weighting
+        try:
+            solution = self._solver(looks, usable, free=free, weighting=weighting)
+        except NoSolution as none:
+            return None, none.why, ""
+        why = refuted(solution, looks, usable, free=free, weighting=weighting)
+        return (None, "UNCONFIRMED", why) if why else (solution, "", "")
+
+    def _looks(self, predicted: Ahead, seen: Sighting, received: Received) -> list[Look]:
+        """Return the satellites seen from the prediction on each portion, with the bounds of the further errors there."""
         estimate, every = predicted.estimate(seen.offset_s), zip(seen.places, seen.portions, strict=True)
         bounds = [self.config.bounds.on_track(estimate, portion, seen.distance_m) for _, portion in every]
         measured = zip(seen.places, bounds, received.off_mm, received.speed_off_mm_s, seen.residuals, strict=True)
-        looks = [Look(place, bound, off, speed, look.predictions) for place, bound, off, speed, look in measured]
-        try:
-            free, weighting = self.config.solution == "free", self.config.weighting
-            return solve(looks, usable, free=free, weighting=weighting), ""
-        except NoSolution as none:
-            return None, none.why
+        return [Look(place, bound, off, speed, look.predictions) for place, bound, off, speed, look in measured]
 
     def _fix(self, solution: Solution, predicted: Ahead, offset_s: float) -> StepValues:
         return fix_inputs(solution, predicted, offset_s, self.config.satellite)

@@ -25,6 +25,7 @@ from safeloc.sensing.satellite.channels import identity
 from safeloc.sensing.satellite.line_track import LineTrack
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Motion, VehicleConfig
+from safeloc.simulation.satellite.almanacs import broadcast_almanac
 from safeloc.simulation.satellite.constellation import GPS, Walker, constellation
 from safeloc.simulation.satellite.receiver import ReceiverConfig
 from safeloc.simulation.satellite.run import SimulatedRun, Truth, World
@@ -137,7 +138,8 @@ def signals(journey: Journey, config: SatelliteConfig, *, seed: int) -> Simulate
 def passed(config: ChainConfig, journey: Journey, *, seed: int) -> Iterator[Passed]:
     """Yield the cycles of the journey through the chain."""
     run = signals(journey, config.satellite, seed=seed)
-    chain = EpochChain(config, run.navigation, track().portions)
+    almanac = broadcast_almanac(run.navigation.ephemerides)
+    chain = EpochChain(config, run.navigation, track().portions, almanac)
     rng = np.random.default_rng([seed, 1])
     marks = [round(group.position_mm / MM_PER_M, 3) for group in worked_line().balise_groups] if journey.balises else []
     before: Truth | None = None
@@ -203,6 +205,7 @@ def _ghosts(one: Passed) -> dict[str, Cell]:
     for number in range(1, 1 + sum(key.endswith("_ephemeris_valid") for key in inputs)):
         channel = f"selection.channel_{number}"
         name = names.get(int(inputs.get(f"{channel}_satellite", 0)))
+        made[f"{channel}_elevation_mrad"] = round(1_000 * truth.elevation_rad[name]) if name else 0
         for kind, healthy, added in (
             ("", truth.healthy_m, truth.error_m),
             ("_s", truth.healthy_m_per_s, truth.error_m_per_s),

@@ -32,7 +32,8 @@ FIX = members(
 )  # fmt: skip
 NO_FIX, ACCEPTED, NOT_USABLE, TOO_FEW, DISJOINT, TOO_COARSE, NOT_LOCATED, DRIFTED = FIX
 MISSING = members(
-    "missing", "NOTHING", "NO_EPOCH", "NO_PREDICTION", "TWO_PORTIONS", "NONE_LEFT", "FEW_LEFT", "ALIKE", "OUT_OF_RANGE"
+    "missing", "NOTHING", "NO_EPOCH", "NO_PREDICTION", "TWO_PORTIONS", "NONE_LEFT", "FEW_LEFT", "ALIKE", "OUT_OF_RANGE",
+    "UNCONFIRMED",
 )  # fmt: skip
 MAX_UNKNOWNS, MAX_DILUTION_PERMILLE = 8, 20_000
 Redundancy = Literal["solve", "detect", "exclude"]

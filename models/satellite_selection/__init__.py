@@ -1,11 +1,14 @@
-"""Selection of usable satellites: measured against predicted Doppler and pseudorange (SAT-1 to SAT-4, SAT-D1).
+"""Selection of usable satellites: measured against predicted Doppler and pseudorange (SAT-1 to SAT-4, SAT-6, SAT-D1).
 
 The prediction comes from the state at the cycle before and the mapped track alone (SAT-1); its differences to what was
 measured, the receiver's clock removed, are the inputs. In every cycle the list of usable satellites (LSVU) starts from
 all visible ones (LSV; source [0051], [0055]), and a satellite leaves it by what is measured in this cycle: nothing is
 kept of earlier exclusions.
 
-Each channel is ABSENT, EXPIRED (no valid ephemeris), SILENT (a quantity is missing), WARMING (no covariance yet),
+A current almanac gives the satellites that may be visible; one that is received and not among them is not usable. An almanac
+that is too old decides nothing: then all that are received may be visible, or none, as configured.
+
+Each channel is ABSENT, UNLISTED (not possibly visible by the almanac), EXPIRED (no valid ephemeris), SILENT (a quantity is missing), WARMING (no covariance yet),
 EXCLUDED (the criterion is violated) or USABLE.
 """
 
@@ -24,6 +27,7 @@ from safeloc.models.satellite_selection.variables import (
     EXPIRED,
     SILENT,
     STANDING,
+    UNLISTED,
     USABLE,
     WARMING,
     Channel,
@@ -33,7 +37,7 @@ from safeloc.models.satellite_selection.variables import (
     SelectionConfig,
     parts,
 )
-from safeloc.models.satellite_selection.world import world
+from safeloc.models.satellite_selection.world import is_current, world
 
 __all__ = [
     "ABSENT",
@@ -41,6 +45,7 @@ __all__ = [
     "EXPIRED",
     "SILENT",
     "STANDING",
+    "UNLISTED",
     "USABLE",
     "WARMING",
     "Channel",
@@ -74,7 +79,7 @@ def machine(config: SelectionConfig | None = None) -> Machine:
 def build(own: Parts) -> Selection:
     """Build the machine over the given variables."""
     table = modes("NONE_USABLE", "SOME_USABLE")
-    outputs: dict[str, Expr] = {"usable": own.usable}
+    outputs: dict[str, Expr] = {"usable": own.usable, "almanac_current": own.current}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}
     made = Machine(
         name="selection",
@@ -89,7 +94,8 @@ def build(own: Parts) -> Selection:
         },
         doc=(
             "The usable satellites among the visible ones. Assumed: a difference is the signal's own error plus what the "
-            "prediction's error makes of it, less the error of the clock. Nothing is assumed of a signal's error."
+            "prediction's error makes of it, less the error of the clock; a current almanac has each satellite about where it is. "
+            "Nothing is assumed of a signal's error."
         ),
     )
     return Selection(made, own)
@@ -143,7 +149,16 @@ def standing(own: Parts, one: Channel) -> Num:
     ready = _spread(one, config) & (warm(own, one) >= config.warm_up_cycles)
     standing = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
     by_signal = ite(_received(one, config), ite(ready, standing, WARMING), SILENT)
-    return ite(one.identity.present & ~_is_twice(own, one), ite(one.ephemeris, by_signal, EXPIRED), ABSENT)
+    by_data = ite(possibly_visible(own, one), ite(one.ephemeris, by_signal, EXPIRED), UNLISTED)
+    return ite(one.identity.present & ~_is_twice(own, one), by_data, ABSENT)
+
+
+def possibly_visible(own: Parts, one: Channel) -> Bool:
+    """Return whether the almanac lets the channel's satellite be visible; a current one has it, and not below its mask."""
+    listed = one.elevation.present & (one.elevation.value >= own.config.almanac_mask_mrad)
+    if own.config.almanac == "required":
+        return is_current(own) & listed
+    return ~is_current(own) | listed
 
 
 def _is_twice(own: Parts, one: Channel) -> Bool:
@@ -158,8 +173,8 @@ def _is_twice(own: Parts, one: Channel) -> Bool:
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, some = table
     count = _count(standing(own, one).eq(USABLE) for one in own.channels)
-    requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-D1")
-    every = together({own.usable: count}, *(_channel(own, one) for one in own.channels))
+    requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-6", "SAT-D1")
+    every = together({own.usable: count, own.current: is_current(own)}, *(_channel(own, one) for one in own.channels))
     yield Transition("no satellite is usable", table, none, count.eq(0), every, requirements, 0)
     yield Transition("satellites are selected", table, some, TRUE, every, requirements, 1)
 

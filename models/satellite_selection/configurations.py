@@ -10,5 +10,6 @@ CONFIGURATIONS = Configurations(
         "pseudorange alone, no warm-up": SelectionConfig(compared="pseudorange", warm_up_cycles=1),
         "Doppler alone": SelectionConfig(compared="doppler"),
         "removed by both figures only": SelectionConfig(removal="both"),
+        "none without a current almanac": SelectionConfig(almanac="required"),
     },
 )

@@ -20,12 +20,15 @@ from safeloc.language.expr import (
     number,
     optional,
 )
-from safeloc.language.units import COUNT, MM, MM_S, Unit
+from safeloc.language.units import COUNT, MM, MM_S, PER_MILLE, S, Unit
 
-STANDING = members("standing", "ABSENT", "EXPIRED", "SILENT", "WARMING", "EXCLUDED", "USABLE")
-ABSENT, EXPIRED, SILENT, WARMING, EXCLUDED, USABLE = STANDING
+STANDING = members("standing", "ABSENT", "UNLISTED", "EXPIRED", "SILENT", "WARMING", "EXCLUDED", "USABLE")
+ABSENT, UNLISTED, EXPIRED, SILENT, WARMING, EXCLUDED, USABLE = STANDING
 Compared = Literal["doppler", "pseudorange", "both"]
 Removal = Literal["either", "both"]
+AlmanacUse = Literal["while current", "required"]
+_UPRIGHT_MRAD, OLDEST_S = 1_571, 10**9
+"""The zenith, rounded outward; the greatest age of an almanac that is an input, some 30 years."""
 SQUARE_MM, SQUARE_MM_S = MM.times(MM), MM_S.times(MM_S)
 
 
@@ -35,6 +38,9 @@ class SelectionConfig(Config):
     compared  which quantities are compared; a satellite that violates one of them is removed ([0068])
     removal   either: unless difference AND covariance are below their thresholds, strictly ([0066], [0067]; default)
               both: only where difference AND covariance are above them ([0049], [0050])
+    almanac   while current: only satellites that the almanac lists as possibly visible are usable; without a current almanac
+              all that are received are ([0036]; default)
+              required: without a current almanac none is usable
     """
 
     channels: int = quantity(8, "count", 1, 32, "[D] satellites in view at a time, several constellations up to 32")
@@ -56,6 +62,18 @@ class SelectionConfig(Config):
     )
     warm_up_cycles: int = quantity(2, "cycles", 1, 1_000, "[S] [0071]: variability needs two samples at least")
     last_identity: int = quantity(1_000, "count", 1, 1_000_000, "[D] satellites of all constellations")
+    almanac: AlmanacUse = Field(default="while current", description="what follows from an almanac that is too old")
+    almanac_limit_s: int = quantity(
+        518_400,
+        "s",
+        1,
+        15_552_000,
+        "[S] six days, the fit interval of a broadcast almanac; its time of applicability counts",
+    )
+    almanac_mask_mrad: int = quantity(87, "mrad", 1, 1_500, "[D] 5 degrees, below the 10 of the mask by the ephemeris")
+    almanac_accuracy_mrad: int = quantity(
+        10, "mrad", 0, 1_000, "[D] a satellite 2 km off [S] is 0.1 mrad off; the rest is for a vehicle 60 km off"
+    )
 
     @model_validator(mode="after")
     def _keeps_healthy_ones(self) -> SelectionConfig:
@@ -70,6 +88,16 @@ class SelectionConfig(Config):
                     f"{name} {value} is not above noise, prediction and clock error together, {least}: healthy satellites "
                     "would be excluded while the train brakes; raise it."
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _lists_what_is_above_the_horizon(self) -> SelectionConfig:
+        """Refuse an almanac so coarse that a satellite below the horizon could be listed."""
+        if self.almanac_mask_mrad <= self.almanac_accuracy_mrad:
+            raise ValueError(
+                f"almanac_mask_mrad {self.almanac_mask_mrad} is not above almanac_accuracy_mrad {self.almanac_accuracy_mrad}: "
+                "a satellite below the horizon could be listed as possibly visible; raise the mask."
+            )
         return self
 
     @derived("mm", "[D] threshold, prediction and clock error: what a usable pseudorange may be wrong by")
@@ -103,6 +131,8 @@ class Channel:
 
     error, speed_error            ghosts: the signal's own error
     offset, speed_offset          ghosts: what the prediction's error makes of it along the line of sight
+    elevation      elevation by the almanac, mrad; absent: the almanac does not have the satellite, or has it as unhealthy
+    true_elevation ghost
     """
 
     number: int
@@ -119,15 +149,24 @@ class Channel:
     speed_error: NumVar
     offset: NumVar
     speed_offset: NumVar
+    elevation: Optional
+    true_elevation: NumVar
 
 
 class Parts:
-    """The variables of the machine. clock, speed_clock: ghosts, what the receiver's clock was estimated wrong by."""
+    """The variables of the machine.
+
+    current             state: in the last cycle there was an almanac that is not too old
+    almanac_age         time between the cycle and the almanac's time of applicability; absent: there is no almanac
+    clock, speed_clock  ghosts: what the receiver's clock was estimated wrong by
+    """
 
     def __init__(self, config: SelectionConfig) -> None:
         self.declared = declared = Declared()
         self.config = config
+        self.current = declared.state(boolean("almanac_was_current"), first=False)
         self.usable = declared.state(number("usable_satellites", COUNT, 0, config.channels), first=0)
+        self.almanac_age = declared.sensor(optional("almanac_age_s", S, 0, OLDEST_S))
         self.channels = tuple(_channel(declared, n, config) for n in range(1, config.channels + 1))
         self.clock = declared.choice(number("clock_mm", MM, -(10**9), 10**9))
         self.speed_clock = declared.choice(number("clock_mm_s", MM_S, -(10**8), 10**8))
@@ -159,4 +198,6 @@ def _channel(declared: Declared, number_: int, config: SelectionConfig) -> Chann
         declared.choice(number(f"{name}_speed_error_mm_s", MM_S, -3 * fast, 3 * fast)),
         declared.choice(number(f"{name}_prediction_mm", MM, -2 * far, 2 * far)),
         declared.choice(number(f"{name}_prediction_mm_s", MM_S, -2 * fast, 2 * fast)),
+        declared.sensor(optional(f"{name}_almanac_mrad", PER_MILLE, -_UPRIGHT_MRAD, _UPRIGHT_MRAD)),
+        declared.choice(number(f"{name}_elevation_mrad", PER_MILLE, -_UPRIGHT_MRAD, _UPRIGHT_MRAD)),
     )

@@ -32,6 +32,7 @@ from safeloc.runtime.streams.record_files import read_raw, read_records
 from safeloc.runtime.streams.records import RECORD
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.sensing.fibre.recordings import read_array
+from safeloc.sensing.satellite.almanac import read_almanac
 from safeloc.sensing.satellite.android import read_android
 from safeloc.sensing.satellite.corrected import read_corrected
 from safeloc.sensing.satellite.navigation import read_navigation
@@ -204,6 +205,21 @@ G    2 C1C D1C                                              SYS / # / OBS TYPES
 G05  21000000.123        -1234.567
 > 2022 03 15 09 27 26.4000000  0  0
 """
+ALMANAC = """******** Week  880 almanac for PRN-05 ********
+ID:                         05
+Health:                     000
+Eccentricity:               0.5927642923E-002
+Time of Applicability(s):  147456.0000
+Orbital Inclination(rad):   0.9719266524
+Rate of Right Ascen(r/s):  -0.8275344701E-008
+SQRT(A)  (m 1/2):           5153.635742
+Right Ascen at Week(rad):   0.2520897825E+001
+Argument of Perigee(rad):   1.273307348
+Mean Anom(rad):             0.1714815412E+001
+Af0(s):                    -0.1774230040E-003
+Af1(s/s):                  -0.1364242053E-011
+week:                        880
+"""
 NAVIGATION = (
     "     3.04           N: GNSS NAV DATA    M: MIXED            RINEX VERSION / TYPE\n"
     "                                                            END OF HEADER\n"
@@ -241,6 +257,7 @@ FUZZED = (
     Fuzzed("XLSX", _file(".xlsx", FORMATS["balises"]), _xlsx),
     Fuzzed("RINEX observations", _file(".obs", read_observations), lambda: [OBSERVATIONS.encode()]),
     Fuzzed("RINEX navigation", _file(".nav", read_navigation), lambda: [NAVIGATION.encode()]),
+    Fuzzed("YUMA almanac", _file(".alm", lambda path: read_almanac(path, 2)), lambda: [ALMANAC.encode()]),
     Fuzzed("Android", _file(".txt", read_android), lambda: [ANDROID.encode()]),
     Fuzzed("corrected ranges", _file(".csv", read_corrected), lambda: [CORRECTED.encode()]),
     Fuzzed("fixes", _file(".csv", read_fixes), lambda: [b"timestamp,longitude,latitude,position_type\n2022-03-15T09:27:26Z,4.5,50.9,FIX\n2022-03-15T09:27:27Z,4.6,50.9,FIX\n"]),

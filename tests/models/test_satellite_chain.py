@@ -27,6 +27,7 @@ from safeloc.sensing.satellite.navigation import Navigation, read_navigation
 from safeloc.sensing.satellite.observations import read_observations
 from safeloc.sensing.satellite.places import Place
 from safeloc.sensing.satellite.track_prediction import Portion
+from safeloc.simulation.satellite.almanacs import broadcast_almanac
 from safeloc.simulation.satellite.run import SimulatedRun, World, simulate
 from tests.data_sources import data_file
 from tests.simulation.satellite.sky import ride, sky, straight
@@ -318,11 +319,11 @@ def test_along_the_valley() -> None:
     assert not [name for one in found for name, standing in one.standings.items() if standing == "EXCLUDED"]
 
 
-def test_the_recorded_receiver_stays_where_it_is() -> None:
-    """A geodetic receiver that stands on a surveyed point, on an imagined track to the east: located, with the point inside."""
+def recorded(selection: SelectionConfig, *, with_almanac: bool) -> tuple[list[Outcome], int]:
+    """A geodetic receiver on a surveyed point, on an imagined track to the east, and where that is, mm; the almanac is made of the
+    recorded ephemerides."""
     navigation = read_navigation(data_file("gnss_septentrio/base.nav"))
     epochs = read_observations(data_file("gnss_septentrio/rover.obs"))[:60]
-    selection = SELECTION.model_copy(update={"range_prediction_mm": 3_200})
     standing = SatelliteConfig(selection=selection, period_ms=1_000, max_acceleration_mm_s2=100, max_speed_mm_s=5_000)
     config = CONFIG.model_copy(update={"satellite": standing})
     ends = (
@@ -330,7 +331,17 @@ def test_the_recorded_receiver_stays_where_it_is() -> None:
     )
     portion = Portion(-91.0, tuple(ends))
     middle_mm = round((portion.start_m + portion.end_m) / 2 * 1_000)
-    found = driven(chain(config, navigation, portion), epochs, Reference(middle_mm, 2_000, 0, 50))
+    known = broadcast_almanac(navigation.ephemerides) if with_almanac else None
+    standing_still = EpochChain(config, navigation, lambda low_m, high_m: (portion,), known)
+    return driven(standing_still, epochs, Reference(middle_mm, 2_000, 0, 50)), middle_mm
+
+
+AT_REST = SELECTION.model_copy(update={"range_prediction_mm": 3_200})
+
+
+def test_the_recorded_receiver_stays_where_it_is() -> None:
+    """It is located, with the point inside."""
+    found, middle_mm = recorded(AT_REST, with_almanac=False)
     for outcome in found[4:]:
         assert "ACCEPTED" == fix(outcome)
         assert abs(int(outcome.inputs["position.fix_mm"]) - middle_mm) < 2_500

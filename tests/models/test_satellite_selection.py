@@ -94,6 +94,35 @@ def test_the_lax_criterion(off: int, covariance: int, expected: str) -> None:
     assert expected == last(config, range_off_mm=off, range_covariance_mm2=covariance)
 
 
+MASK, OLD = CONFIG.almanac_mask_mrad, CONFIG.almanac_limit_s
+
+
+@pytest.mark.parametrize(
+    ("age", "elevation", "while_current", "required"),
+    [
+        (OLD, MASK, "USABLE", "USABLE"),
+        (OLD, MASK - 1, "UNLISTED", "UNLISTED"),
+        (0, None, "UNLISTED", "UNLISTED"),
+        (OLD + 1, MASK - 1, "USABLE", "UNLISTED"),
+        (OLD + 1, MASK, "USABLE", "UNLISTED"),
+        (None, 1_000, "USABLE", "UNLISTED"),
+    ],
+)
+def test_the_almanac(age: int | None, elevation: int | None, while_current: str, required: str) -> None:
+    """A current one lists what it has at its mask or above; one that is older, or none, lists nothing."""
+    known = {} if age is None else {"almanac_age_s": age}
+    step = {**heard(almanac_mrad=elevation), **known}
+    needs = SelectionConfig(channels=2, almanac="required")
+    assert while_current == standings(CONFIG, heard(), heard(), step)[-1]
+    assert required == standings(needs, step, step, step)[-1]
+
+
+def test_an_almanac_too_coarse_is_refused() -> None:
+    """It could list a satellite below the horizon."""
+    with pytest.raises(ValueError, match="almanac_mask_mrad 87 is not above almanac_accuracy_mrad 87"):
+        SelectionConfig(almanac_accuracy_mrad=87)
+
+
 def test_one_quantity_alone() -> None:
     """Where only Doppler is compared, pseudorange need not be measured, and the other way round."""
     doppler = SelectionConfig(channels=2, compared="doppler")
@@ -183,7 +212,46 @@ def _excluded_for_good(own: Parts, one: Channel) -> Expr:
 
 
 JUDGES = selection.standing
+LISTS = selection.possibly_visible
+
+
+def _fresher(own: Parts, one: Channel) -> Expr:
+    """Believe an almanac of any age."""
+    return LISTS(own, one) & (~own.almanac_age.present | _listed(own, one))
+
+
+def _listed(own: Parts, one: Channel) -> Bool:
+    """Whether the almanac has the satellite at its mask or above, however old it is."""
+    return one.elevation.present & (one.elevation.value >= own.config.almanac_mask_mrad)
+
+
 EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
+    "the almanac is not asked": (
+        "possibly_visible",
+        lambda *_: TRUE,
+        "channel 1: what the almanac does not list is not usable",
+    ),
+    "so a satellite below the horizon is used": (
+        "possibly_visible",
+        lambda *_: TRUE,
+        "channel 1: a usable satellite is above the horizon",
+    ),
+    "one that the almanac does not have is listed": (
+        "possibly_visible",
+        lambda own, one: LISTS(own, one) | ~one.elevation.present,
+        "channel 1: what the almanac does not list is not usable",
+    ),
+    "the mask is the zenith": (
+        "possibly_visible",
+        lambda own, one: LISTS(own, one) & (~own.almanac_age.present | (one.elevation.value > 1_500)),
+        "channel 1: the almanac refuses none in full view",
+    ),
+    "an expired almanac is believed": ("possibly_visible", _fresher, "an expired almanac is not used"),
+    "an almanac is current for ever": (
+        "is_current",
+        lambda own: own.almanac_age.present,
+        "an expired almanac is not used",
+    ),
     "every satellite is accepted": ("accepts", lambda *_: TRUE, "channel 1: a violation is not usable"),
     "so its error has no bound": ("accepts", lambda *_: TRUE, "channel 1: a usable range is bounded"),
     "no satellite is accepted": ("accepts", lambda *_: FALSE, "channel 1: exclusion leaves no trace"),

@@ -31,6 +31,7 @@ from safeloc.runtime.outside import (
 )
 from safeloc.runtime.streams.record_files import read_raw, read_records
 from safeloc.runtime.streams.steps import read_steps
+from safeloc.sensing.satellite.almanac import read_almanac
 from safeloc.sensing.satellite.android import read_android
 from safeloc.sensing.satellite.corrected import read_corrected
 from safeloc.sensing.satellite.navigation import read_navigation
@@ -42,7 +43,7 @@ READERS: dict[str, Read] = {
     **{f"{form}.{suffix}": FORMATS[form] for form, suffix in
        (("railml", "railml"), ("geojson", "geojson"), ("balises", "xlsx"), ("ttobench", "json"))},
     "line.toml": load_line, "line.json": load_line, "fixes.csv": read_fixes, "rover.obs": read_observations,
-    "base.nav": read_navigation, "log.txt": read_android, "ranges.csv": read_corrected, "config.toml": lambda path: read_config(GuardConfig, path),
+    "base.nav": read_navigation, "current.alm": lambda path: read_almanac(path, 2), "log.txt": read_android, "ranges.csv": read_corrected, "config.toml": lambda path: read_config(GuardConfig, path),
 }  # fmt: skip
 
 

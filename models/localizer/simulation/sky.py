@@ -16,6 +16,8 @@ DILUTION_PERMILLE, FURTHER_MM, SPEED_FURTHER_UM_S = 1_500, 500, 5_000
 """Figures of a solution along the track, as in the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
 ERROR_MM, SPEED_ERROR_UM_S = 4_800, 180_000
 """Greatest errors of a solution's place and speed."""
+_ALMANAC_S, _ELEVATION_MRAD = 86_400, 500
+"""An almanac of the day before, and the elevation of every satellite, which it has right."""
 _MULTIPATH_MM = 60_000
 """Excess length of a signal that comes by a detour."""
 _LABELS = tuple(one.label for one in MISSING)
@@ -71,6 +73,7 @@ def noise(config: SelectionConfig, received: NDArray[np.int64], rngs: list[np.ra
 def signals(config: SelectionConfig, sky: Sky, drawn: Noise) -> dict[str, Column]:
     """Return each channel's measured value less the predicted one; where `far`, the first signal comes by a detour."""
     columns = {"selection.clock_mm": Column(0), "selection.clock_mm_s": Column(0)}
+    columns["selection.almanac_age_s"] = Column(_ALMANAC_S)
     for number in range(1, config.channels + 1):
         name = f"selection.channel_{number}"
         away_by, faster_by = drawn.signals[2 * number - 2], drawn.signals[2 * number - 1]
@@ -83,6 +86,8 @@ def signals(config: SelectionConfig, sky: Sky, drawn: Noise) -> dict[str, Column
             f"{name}_speed_error_mm_s": Column(np.where(heard, faster, 0)),
             f"{name}_prediction_mm": Column(0),
             f"{name}_prediction_mm_s": Column(0),
+            f"{name}_elevation_mrad": Column(_ELEVATION_MRAD),
+            f"{name}_almanac_mrad": Column(_ELEVATION_MRAD, heard),
             f"{name}_ephemeris_valid": Column(True),
             f"{name}_satellite": Column(number, heard),
             f"{name}_range_off_mm": Column(away, heard),

@@ -40,14 +40,15 @@ def satellite_state(ephemeris: Ephemeris, time_s: float) -> SatelliteState:
     """
     if not ephemeris.valid_at(time_s):
         raise InputError(f"{ephemeris.satellite}: the ephemeris is not valid at {time_s} s; use a valid one or none.")
-    before = _position(ephemeris, time_s - _HALF_STEP_S)
-    after = _position(ephemeris, time_s + _HALF_STEP_S)
+    before = earth_fixed_m(ephemeris, time_s - _HALF_STEP_S)
+    after = earth_fixed_m(ephemeris, time_s + _HALF_STEP_S)
     velocity = (after[0] - before[0], after[1] - before[1], after[2] - before[2])
     drift = _clock(ephemeris, time_s + _HALF_STEP_S) - _clock(ephemeris, time_s - _HALF_STEP_S)
-    return SatelliteState(_position(ephemeris, time_s), velocity, _clock(ephemeris, time_s), drift)
+    return SatelliteState(earth_fixed_m(ephemeris, time_s), velocity, _clock(ephemeris, time_s), drift)
 
 
-def _position(e: Ephemeris, time_s: float) -> Vector:
+def earth_fixed_m(e: Ephemeris, time_s: float) -> Vector:
+    """Return the place at a GPS time without a look at the validity, for orbits whose age is judged elsewhere."""
     since = time_s - e.orbit_time_s
     anomaly = _eccentric_anomaly(e, since)
     true = math.atan2(math.sqrt(1 - e.eccentricity**2) * math.sin(anomaly), math.cos(anomaly) - e.eccentricity)

@@ -65,6 +65,7 @@ class Truth:
 
     error_m, error_m_per_s  errors of every measured satellite from detours, echoes and false places
     healthy_m, healthy_m_per_s  errors of every measured satellite that healthy signals have too
+    elevation_rad           of every measured satellite
     reflected               satellites received by a detour only
     """
 
@@ -75,6 +76,7 @@ class Truth:
     error_m_per_s: Mapping[str, float]
     healthy_m: Mapping[str, float]
     healthy_m_per_s: Mapping[str, float]
+    elevation_rad: Mapping[str, float]
     reflected: frozenset[str]
 
 
@@ -107,7 +109,7 @@ def simulate(world: World, motion: Motion, *, seed: int) -> SimulatedRun:
     codes = code_of(true.way_m + systems_m + sights.air_m + usual.code_m + error, one)
     rates = rate_of(true.rate_m_per_s + usual.rate_m_per_s + error_rate, one)
     tracked = got.received & (sights.elevation > _LOWEST_RAD) & ~_silent(world.faults, times, sky.names)
-    records = _Records(sky.names, tracked, codes, rates, error, error_rate, usual, got)
+    records = _Records(sky.names, tracked, codes, rates, error, error_rate, usual, sights.elevation, got)
     epochs = tuple(records.epoch(n, float(sky.start_s + times[n] + one.offset_s[n])) for n in range(len(times)))
     truth = tuple(
         records.truth(n, float(sky.start_s + times[n]), float(place[n]), float(speed[n])) for n in range(len(times))
@@ -213,6 +215,7 @@ class _Records:
     error: Floats
     error_rate: Floats
     usual: Healthy
+    elevation: Floats
     got: Received
 
     def epoch(self, n: int, time_s: float) -> Epoch:
@@ -231,6 +234,7 @@ class _Records:
             {name: float(self.error_rate[n, j]) for j, name in received},
             {name: float(self.usual.code_m[n, j]) for j, name in received},
             {name: float(self.usual.rate_m_per_s[n, j]) for j, name in received},
+            {name: float(self.elevation[n, j]) for j, name in received},
             frozenset(name for j, name in received if self.got.reflected[n, j]),
         )
 

@@ -1,0 +1,182 @@
+"""Properties of a counting head through a cycle of the axle counter (FVA-4, FVA-5; as a device FVA-13, FVA-14)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from safeloc.language.expr import Bool, Lit, Num, as_num, ite
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num, previous, reachable
+from safeloc.language.units import COUNT
+from safeloc.models.axle_head import DOWN, NO_AXLE, UP
+from safeloc.models.counting_head import CountingHead
+from safeloc.models.vocabulary.head_contract import counts_every_axle
+
+REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
+_BACK = ("turned back to A", "turned back to B", "turned back to both, upwards", "turned back to both, downwards")
+LAW = "one wheel at a time, sampled often enough, and no false damping"
+
+
+def properties(model: CountingHead) -> list[Property]:
+    """Return the properties: a cycle is reported as it was, or at fault."""
+    return [
+        *_contract(model),
+        *_cycles(model),
+        *_faults(model),
+        *_no_more_faults(model),
+        *_added(model),
+        *_reached(model),
+    ]
+
+
+def _held(name: str, term: Bool, statement: str) -> Property:
+    """Return a property for all samples."""
+    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
+
+
+def _contract(model: CountingHead) -> Iterator[Property]:
+    """Claim the law that the axle counter assumes of each of its cycles."""
+    of, own, machine = model.composition.of(model.cycle.machine), model.cycle.own, model.cycle.machine
+    ups, downs = of.num(own.true_ups), of.num(own.true_downs)
+    contract = counts_every_axle(
+        fault=of.bool(machine.flag("cycle_fault")),
+        axle=of.num(machine.output("cycle_axle")),
+        number=of.num(machine.output("cycle_axles")),
+        passed=ups + downs,
+        upwards=downs.eq(0),
+        downwards=ups.eq(0),
+    )
+    yield always(
+        "a cycle is reported as the axle counter assumes",
+        of.bool(machine.flag("cycle_done")).implies(contract),
+        statement="at the last sample of a cycle of the axle counter, without a fault, the number of axles that is reported is the "
+        "number of wheels that passed in its samples, and all of them passed in the direction reported",
+        requirements=REQUIREMENTS,
+        assumption=LAW,
+    )
+
+
+def _cycles(model: CountingHead) -> Iterator[Property]:
+    of, own, machine = model.composition.of(model.cycle.machine), model.cycle.own, model.cycle.machine
+    samples, done = of.num(own.samples), of.bool(machine.flag("cycle_done"))
+    whole = earlier_num(samples).eq(model.config.samples)
+    yield _held(
+        "each sample belongs to one cycle",
+        samples.eq(ite(whole, as_num(1, COUNT), earlier_num(samples) + 1)) & done.iff(samples.eq(model.config.samples)),
+        "samples are counted one by one; after as many as make a cycle of the axle counter there is a record, and the next "
+        "sample is the first of the next cycle",
+    )
+
+
+def _some(model: CountingHead) -> tuple[Bool, Bool, Bool]:
+    """Return the damping of the two channels, and whether an axle is counted."""
+    of, own = model.composition.of(model.head.machine), model.head.own
+    return of.bool(own.a), of.bool(own.b), of.num(own.axle).ne(NO_AXLE)
+
+
+def _flawed(model: CountingHead) -> Bool:
+    return model.composition.of(model.cycle.machine).bool(model.cycle.own.flawed)
+
+
+def _first_sample(model: CountingHead) -> Bool:
+    """Return whether the sample is the first after a whole cycle."""
+    samples = model.composition.of(model.cycle.machine).num(model.cycle.own.samples)
+    return earlier_num(samples).eq(model.config.samples)
+
+
+def _faults(model: CountingHead) -> Iterator[Property]:
+    """Claim the events that are a fault of the cycle."""
+    a, b, counted = _some(model)
+    some, flawed = a | b, _flawed(model)
+    of, machine = model.composition.of(model.head.machine), model.head.machine
+    disturbed = of.bool(machine.flag("disturbed"))
+    yield _held(
+        "a disturbance is a fault of the cycle",
+        (disturbed | earlier_bool(disturbed)).implies(flawed),
+        "in a sample in which the head is disturbed, and in the one after it, the cycle is at fault",
+    )
+    yield _held(
+        "a wheel that leaves uncounted is a fault of the cycle",
+        (previous(some) & ~some & ~counted).implies(flawed),
+        "where both channels become free and no axle is counted, the cycle is at fault",
+    )
+    back = of.bool(machine.fired(*_BACK))
+    yield _held(
+        "a wheel that goes back on the head is a fault of the cycle",
+        back.implies(flawed) & _mode_is_kept(model),
+        "where a wheel turns back from one channel to both, or from both to one, the cycle is at fault: as of each wheel that passes while a "
+        "channel stays damped",
+    )
+    yield _held(
+        "a fault stays until its cycle ends",
+        (earlier_bool(flawed) & ~_first_sample(model)).implies(flawed),
+        "a cycle that is at fault in one of its samples is at fault in all later ones, its record included",
+    )
+
+
+def _mode_is_kept(model: CountingHead) -> Bool:
+    """Return whether the cycle's memory of the head's mode is the head's."""
+    of, head = (model.composition.of(one.machine) for one in (model.cycle, model.head))
+    return of.num(model.cycle.own.was).eq(head.num(model.head.machine.mode))
+
+
+def _no_more_faults(model: CountingHead) -> Iterator[Property]:
+    """Claim that nothing else is a fault."""
+    flawed = _flawed(model)
+    of, own = model.composition.of(model.cycle.machine), model.cycle.own
+    ups, downs = of.num(own.ups), of.num(own.downs)
+    head, machine = model.composition.of(model.head.machine), model.head.machine
+    disturbed = head.bool(machine.flag("disturbed"))
+    uncounted = head.bool(machine.fired("turned back off A", "turned back off B"))
+    went_back = head.bool(machine.fired(*_BACK))
+    yield _held(
+        "nothing else is a fault of the cycle",
+        _mode_is_kept(model)
+        & flawed.implies(
+            (earlier_bool(flawed) & ~_first_sample(model))
+            | disturbed
+            | earlier_bool(disturbed)
+            | uncounted
+            | went_back
+            | ((ups > 0) & (downs > 0))
+            | (ups + downs > model.config.counter.axles_a_cycle)
+        ),
+        "a cycle is at fault only by a disturbance, a wheel that leaves uncounted or goes back on the head, axles both ways, or more axles "
+        "than the counter takes",
+    )
+
+
+def _added(model: CountingHead) -> Iterator[Property]:
+    of, own, machine = model.composition.of(model.cycle.machine), model.cycle.own, model.cycle.machine
+    head, most = model.composition.of(model.head.machine), model.config.counter.axles_a_cycle + 1
+
+    def added(kept: Num, way: Lit) -> Bool:
+        was = ite(_first_sample(model), as_num(0, COUNT), earlier_num(of.num(kept)))
+        more = was + ite(head.num(model.head.own.axle).eq(way), as_num(1, COUNT), 0)
+        return of.num(kept).eq(ite(more > most, as_num(most, COUNT), more))
+
+    yield _held(
+        "a cycle adds up its samples",
+        added(own.ups, UP) & added(own.downs, DOWN),
+        "axles of each direction are counted from 0 at the first sample of a cycle, one more with each that the head counts",
+    )
+    fault, done = of.bool(machine.flag("cycle_fault")), of.bool(machine.flag("cycle_done"))
+    axle, axles = of.num(machine.output("cycle_axle")), of.num(machine.output("cycle_axles"))
+    ups, downs, sound = of.num(own.ups), of.num(own.downs), done & ~fault
+    yield _held(
+        "a record has the cycle's axles, or a fault",
+        fault.iff(done & _flawed(model))
+        & axles.eq(ite(sound, ups + downs, 0))
+        & axle.eq(ite(sound & (ups > 0), UP, ite(sound & (downs > 0), DOWN, NO_AXLE))),
+        "a record without a fault reports the axles of its cycle with their direction; a record with a fault, and a sample within a cycle, "
+        "reports none",
+    )
+
+
+def _reached(model: CountingHead) -> Iterator[Property]:
+    of, machine = model.composition.of(model.cycle.machine), model.cycle.machine
+    yield reachable(
+        "axles of a cycle",
+        of.bool(machine.flag("cycle_done")) & (of.num(machine.output("cycle_axles")) > 1),
+        statement="a cycle with several axles is reported",
+        requirements=REQUIREMENTS,
+    )
