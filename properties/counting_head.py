@@ -70,7 +70,7 @@ def _cycles(model: CountingHead) -> Iterator[Property]:
 def _some(model: CountingHead) -> tuple[Bool, Bool, Bool]:
     """Return the damping of the two channels, and whether an axle is counted."""
     of, own = model.composition.of(model.head.machine), model.head.own
-    return of.bool(own.a), of.bool(own.b), of.num(own.axle).ne(NO_AXLE)
+    return of.bool(own.channel_a_damped), of.bool(own.channel_b_damped), of.num(own.axle).ne(NO_AXLE)
 
 
 def _flawed(model: CountingHead) -> Bool:

@@ -130,14 +130,14 @@ class Channel:
     """One receiver channel. Differences are measured less predicted, mm and mm/s; covariances over the window.
 
     error, speed_error            ghosts: the signal's own error
-    offset, speed_offset          ghosts: what the prediction's error makes of it along the line of sight
+    prediction, prediction_mm_s          ghosts: what the prediction's error makes of it along the line of sight
     elevation      elevation by the almanac, mrad; absent: the almanac does not have the satellite, or has it as unhealthy
     true_elevation ghost
     """
 
     number: int
-    identity: Optional
-    ephemeris: BoolVar
+    satellite: Optional
+    ephemeris_valid: BoolVar
     off: Optional
     speed_off: Optional
     covariance: Optional
@@ -147,8 +147,8 @@ class Channel:
     warm: NumVar
     error: NumVar
     speed_error: NumVar
-    offset: NumVar
-    speed_offset: NumVar
+    prediction: NumVar
+    prediction_mm_s: NumVar
     elevation: Optional
     true_elevation: NumVar
 
@@ -158,18 +158,18 @@ class Parts:
 
     current             state: in the last cycle there was an almanac that is not too old
     almanac_age         time between the cycle and the almanac's time of applicability; absent: there is no almanac
-    clock, speed_clock  ghosts: what the receiver's clock was estimated wrong by
+    clock, clock_mm_s  ghosts: what the receiver's clock was estimated wrong by
     """
 
     def __init__(self, config: SelectionConfig) -> None:
         self.declared = declared = Declared()
         self.config = config
         self.current = declared.state(boolean("almanac_was_current"), first=False)
-        self.usable = declared.state(number("usable_satellites", COUNT, 0, config.channels), first=0)
+        self.usable_satellites = declared.state(number("usable_satellites", COUNT, 0, config.channels), first=0)
         self.almanac_age = declared.sensor(optional("almanac_age_s", S, 0, OLDEST_S))
         self.channels = tuple(_channel(declared, n, config) for n in range(1, config.channels + 1))
         self.clock = declared.choice(number("clock_mm", MM, -(10**9), 10**9))
-        self.speed_clock = declared.choice(number("clock_mm_s", MM_S, -(10**8), 10**8))
+        self.clock_mm_s = declared.choice(number("clock_mm_s", MM_S, -(10**8), 10**8))
 
 
 def parts(config: SelectionConfig) -> Parts:

@@ -44,8 +44,8 @@ def test_the_counters_law_is_the_contract() -> None:
         if name.startswith("a head without a fault counts")
     ]
     expected = head_contract.counts_every_axle(
-        fault=own.fault, axle=own.axle, number=own.number, passed=own.true_axles,
-        upwards=own.axle_speed > 0, downwards=own.axle_speed < 0,
+        fault=own.fault, axle=own.axle, number=own.axles_in_cycle, passed=own.true_axles_in_cycle,
+        upwards=own.axle_true_speed > 0, downwards=own.axle_true_speed < 0,
     )  # fmt: skip
     assert repr(expected) == repr(law.term)
 
@@ -70,7 +70,7 @@ def test_both_sides_have_the_same_figures() -> None:
     assert CONFIG.samples * CONFIG.head.sample_us == 1_000 * AxleCounterConfig().period_ms
     model = compose_machines()
     assert (CONFIG.samples, AxleCounterConfig().axles_a_cycle) == (model.cycle.own.cycle_samples, model.cycle.own.most)
-    assert axle_counter.parts(CONFIG.counter).number.high == model.cycle.own.most
+    assert axle_counter.parts(CONFIG.counter).axles_in_cycle.high == model.cycle.own.most
 
 
 @pytest.mark.parametrize(
