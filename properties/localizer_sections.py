@@ -188,7 +188,7 @@ def _this_train(model: LocalizerSections, one: Section) -> Iterator[Property]:
     free = of.bool(one.machine.flag("clear"))
     truth, far = (
         model.localizer.motion.own.ghosts.truth,
-        model.composition.of(model.ends.machine).num(model.ends.own.far),
+        model.composition.of(model.ends.machine).num(model.ends.own.far_end),
     )
     start, end = exact_to(of.num(one.start), NM), exact_to(of.num(one.end), NM)
     inside = (minimum(truth, far) <= end) & (maximum(truth, far) >= start)

@@ -127,7 +127,7 @@ class Parts:
         self.first = declared.state(choice("contradicting_first", named), first=0)
         self.second = declared.state(choice("contradicting_second", named), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
-        self.referred = declared.state(boolean("reference_taken"), first=False)
+        self.reference_taken = declared.state(boolean("reference_taken"), first=False)
         self.truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
         self.sources = tuple(_source(declared, name, config) for name in config.every)

@@ -175,20 +175,20 @@ def slot(declared: Declared, name: str, *, last_identity: int, position_limit_mm
 class National:
     """The national value for the location accuracy.
 
-    received     input
-    known, kept  state: a value was received, and the last one
+    national_accuracy     input
+    known, stored  state: a value was received, and the last one
     """
 
-    received: Optional
+    national_accuracy: Optional
     known: BoolVar
-    kept: NumVar
+    stored: NumVar
     default_mm: int
 
     @property
     def accuracy(self) -> Num:
         """The location accuracy where linking gives none, mm."""
         default = as_num(self.default_mm, MM)
-        return ite(self.received.present, self.received.value, ite(self.known, self.kept, default))
+        return ite(self.national_accuracy.present, self.national_accuracy.value, ite(self.known, self.stored, default))
 
 
 def national(declared: Declared, default_mm: int) -> National:

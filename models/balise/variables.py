@@ -162,30 +162,30 @@ class BaliseConfig(Config):
 class Memory:
     """State: what the machine remembers of groups, and the outcome of the last cycle.
 
-    group, place     the last group that set the interval (accepted, or the candidate); 0: none
-    given_up         the last announced group whose expectation ended without acceptance; 0: none
-    missed           announced groups in a row that were given up, at most 2
-    ended            announced groups given up in this cycle
-    refused          announced groups in a row that were read whole, but not where or as announced; 0 after an accepted one
+    group, last_group_position     the last group that set the interval (accepted, or the candidate); 0: none
+    given_up_group         the last announced group whose expectation ended without acceptance; 0: none
+    missed_in_row           announced groups in a row that were given up, at most 2
+    given_up_now            announced groups given up in this cycle
+    refused_in_row          announced groups in a row that were read whole, but not where or as announced; 0 after an accepted one
     accuracy         location accuracy of the last group that set the interval
     run              distance measured since that group
     measured         `run` is the whole way: the group came with a latched counter, and no distance was missing since
     direction        ALONG once groups have shown that the vehicle runs along the route
-    verdict, reaction, reason   of the cycle: on the telegram, of linking, and why no position is reported
+    verdict, linking_reaction_now, reason   of the cycle: on the telegram, of linking, and why no position is reported
     """
 
     group: NumVar
-    place: NumVar
-    given_up: NumVar
-    missed: NumVar
-    ended: NumVar
-    refused: NumVar
+    last_group_position: NumVar
+    given_up_group: NumVar
+    missed_in_row: NumVar
+    given_up_now: NumVar
+    refused_in_row: NumVar
     accuracy: NumVar
     run: NumVar
     measured: BoolVar
     direction: NumVar
     verdict: NumVar
-    reaction: NumVar
+    linking_reaction_now: NumVar
     reason: NumVar
 
 
@@ -234,9 +234,9 @@ class Ghosts:
     wander, next_wander     the one-off part of the odometer's error, before the cycle and, freely chosen, after it
     last_delivered, silent  the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
     backwards, rolled       the direction of running as measured, and the distance run against it without a break, mm
-    national                the national location accuracy, as last received, mm
-    doubted                 the identity of the last group that lay far from its place, until another group serves; 0: none
-    spot                    the true place of balise 1 of the group that is read
+    national_accuracy_sent                the national location accuracy, as last received, mm
+    doubted_group                 the identity of the last group that lay far from its place, until another group serves; 0: none
+    read_place                    the true place of balise 1 of the group that is read
     true_since              the true run of the vehicle since the reading
     reading_wander          the one-off part of the odometer's error at the reading
     """
@@ -246,8 +246,8 @@ class Ghosts:
         self.truth = declared.ghost(moved.truth, first=ANY)
         self.wander = declared.ghost(moved.wander, first=ANY)
         received = number("national_accuracy_sent_mm", MM, 0, most)
-        self.national = declared.ghost(received, first=config.default_accuracy_mm)
-        self.doubted = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
+        self.national_accuracy_sent = declared.ghost(received, first=config.default_accuracy_mm)
+        self.doubted_group = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
         self.last_delivered = number(
@@ -264,7 +264,7 @@ class Ghosts:
         apart = _line_nm(config) + since + (config.antenna_mm + config.detection_mm) * NM_PER_MM
         self.true_cycle_distance = declared.choice(moved.true_cycle_distance)
         self.next_wander = declared.choice(moved.next_wander)
-        self.spot = declared.choice(number("read_place_nm", NM, -apart, apart))
+        self.read_place = declared.choice(number("read_place_nm", NM, -apart, apart))
         self.true_since = declared.choice(number("true_since_nm", NM, -since, since))
         self.reading_wander = declared.choice(number("reading_wander_nm", NM, -half, half))
 
@@ -325,17 +325,17 @@ def _memory(declared: Declared, config: BaliseConfig) -> Memory:
     place, identities = config.position_limit_mm, config.last_group_identity
     return Memory(
         group=declared.state(number("last_group", COUNT, 0, identities), first=0),
-        place=declared.state(number("last_group_position_mm", MM, -place, place), first=0),
-        given_up=declared.state(number("given_up_group", COUNT, 0, identities), first=0),
-        missed=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
-        ended=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
-        refused=declared.state(number("refused_in_row", COUNT, 0, config.refusal_limit_groups), first=0),
+        last_group_position=declared.state(number("last_group_position_mm", MM, -place, place), first=0),
+        given_up_group=declared.state(number("given_up_group", COUNT, 0, identities), first=0),
+        missed_in_row=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
+        given_up_now=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
+        refused_in_row=declared.state(number("refused_in_row", COUNT, 0, config.refusal_limit_groups), first=0),
         accuracy=declared.state(number("added_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         run=declared.state(number("run_mm", MM, 0, FARTHEST_MM), first=0),
         measured=declared.state(boolean("complete_run_measured"), first=False),
         direction=declared.state(choice("known_direction", enumeration(DIRECTION)), first=DIRECTION_UNKNOWN),
         verdict=declared.state(choice("telegram_last_verdict", enumeration(READ)), first=NONE),
-        reaction=declared.state(choice("linking_reaction_now", enumeration(REACTION)), first=NO_REACTION),
+        linking_reaction_now=declared.state(choice("linking_reaction_now", enumeration(REACTION)), first=NO_REACTION),
         reason=declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE),
     )
 

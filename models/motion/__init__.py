@@ -219,7 +219,7 @@ def _checked(check: UnitCheck | None) -> Iterator[Updates]:
     if check is not None:
         yield check.unit.listen()
         yield {check.apart: check.apart_after, check.reported: check.checked, check.more: check.beyond}
-        yield {check.unheard: check.unheard_after}
+        yield {check.unreported: check.unheard_after}
 
 
 def _outputs(own: Parts) -> dict[str, Expr]:

@@ -56,13 +56,13 @@ class UnitGhosts:
 class CheckGhosts:
     """Ghosts of two units that check each other.
 
-    lawful                     the unit that keeps its law; the other one may deliver anything
+    lawful_unit                     the unit that keeps its law; the other one may deliver anything
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
     reported, next_reported    the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
     odometer, check            the distances of either unit
     """
 
-    lawful: NumVar
+    lawful_unit: NumVar
     wander: NumVar
     next_wander: NumVar
     reported: NumVar
@@ -97,7 +97,7 @@ def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw]
         max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [reported.constant_mm])
     )
     return CheckGhosts(
-        lawful=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
+        lawful_unit=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
         wander=declared.ghost(number("lawful_wander_nm", NM, -most, most), first=ANY),
         next_wander=declared.choice(number("lawful_next_wander_nm", NM, -most, most)),
         odometer=_unit(declared, physics, "odometer"),
@@ -147,7 +147,7 @@ class Surroundings:
         """The one-off part of the lawful unit's error after the cycle: it rests where that unit measures nothing."""
         seen, (odometer, check) = self.ghosts.units, self.units
         assert seen is not None
-        measures = ite(seen.lawful.eq(ODOMETER_LAWFUL), odometer.can_be_run, check.can_be_run)
+        measures = ite(seen.lawful_unit.eq(ODOMETER_LAWFUL), odometer.can_be_run, check.can_be_run)
         return ite(measures, seen.next_wander, seen.wander)
 
 
@@ -157,7 +157,7 @@ def world(declared: Declared, own: Surroundings) -> World:
     moves: dict[Var, Expr] = {seen.truth: seen.truth + seen.true_cycle_distance}
     laws = _vehicle_laws(own)
     if seen.units is not None:
-        moves |= {seen.units.lawful: seen.units.lawful, seen.units.wander: own.wander_after}
+        moves |= {seen.units.lawful_unit: seen.units.lawful_unit, seen.units.wander: own.wander_after}
         for unit in own.units:
             moves |= unit.moves()
         laws |= _unit_laws(own, seen.units)
@@ -173,7 +173,7 @@ def initially(own: Surroundings) -> Bool:
         return as_num(0, NM).eq(0)
     halves = [_half(own, lawful) for lawful in LAWFUL]
     within = [
-        seen.lawful.eq(lawful).implies(between(-half, seen.wander, half))
+        seen.lawful_unit.eq(lawful).implies(between(-half, seen.wander, half))
         for lawful, half in zip(LAWFUL, halves, strict=True)
     ]
     return all_of([*within, seen.reported.eq(seen.wander)])
@@ -222,7 +222,7 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
     return Law(
-        (seen.lawful.eq(lawful) & unit.can_be_run).implies(kept),  # type: ignore[arg-type]
+        (seen.lawful_unit.eq(lawful) & unit.can_be_run).implies(kept),  # type: ignore[arg-type]
         f"One unit keeps its law for good, nobody knows which. Where it is the {name}: what it measures in a cycle is wrong by "
         "no more than rate and floor of the MEASURED distance allow, and by the change of a one-off part within half its "
         "constant; or no vehicle can have run it.",
@@ -241,7 +241,7 @@ def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
     creep = creep_mm_s * own.physics.period_ms * (NM_PER_MM // THOUSAND)
     stands = between(-creep, own.ghosts.true_cycle_distance, creep) & seen.next_wander.eq(seen.wander)
     return Law(
-        (still & seen.lawful.eq(CHECK_LAWFUL)).implies(stands),
+        (still & seen.lawful_unit.eq(CHECK_LAWFUL)).implies(stands),
         "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or creeps no faster "
         "than configured, even if the odometer is the unit that may fail: a vehicle that creeps faster with a locked wheel, and "
         "slower than the floor (2 km/h for a radar), breaks this law, and no error is added for what it creeps beyond.",

@@ -80,7 +80,7 @@ class Ghosts:
     truth, true_cycle_distance   end A along the line, and its true run in the cycle, nm
     length             the true distance from end B to end A in the cycle
     since_stray        the time since a reader last read a marker that was not under it
-    faulty             the unit that may break its law, or NONE; only with a possible fault
+    faulty_unit             the unit that may break its law, or NONE; only with a possible fault
     unseen             for each device, what an undetectably small fault may have added; only where the margins do not cover it
     """
 
@@ -103,11 +103,11 @@ class Ghosts:
         self.since_stray = declared.ghost(since_stray, first=ANY)
         self.units = tuple(_of_unit(declared, bounds, unit) for unit in units)
         self.readers = tuple(_of_reader(declared, bounds, name) for name in READERS)
-        self.faulty: NumVar | None = None
+        self.faulty_unit: NumVar | None = None
         self.unseen: tuple[NumVar, ...] = ()
         if with_fault:
             names = enumeration(members("faulty", "NONE", *(unit.name for unit in units)))
-            self.faulty = declared.ghost(choice("faulty_unit", names), first=ANY)
+            self.faulty_unit = declared.ghost(choice("faulty_unit", names), first=ANY)
         if with_fault and not covered:
             self.unseen = tuple(
                 declared.ghost(unseen(device), first=unseen_at_reading_nm(device)) for device in devices

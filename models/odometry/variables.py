@@ -109,7 +109,7 @@ class Parts:
     satellites    what gives positions of satellites; None where markers alone are read
     pending       identities that wait for their trailing reading
     backwards     the vehicle runs towards end B; rolled: distance run against that without a break
-    last_marker, last_place   the marker that the leading reader read last; 0: none
+    last_marker, last_marker_position   the marker that the leading reader read last; 0: none
     length        input: the vehicle length, where it is not configured
     ghosts        of the world
     """
@@ -141,7 +141,7 @@ class Parts:
         self.backwards = declared.state(boolean("backwards"), first=False)
         self.rolled = declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0)
         self.last_marker = declared.state(number("last_marker", COUNT, 0, identities), first=0)
-        self.last_place = declared.state(number("last_marker_position_mm", MM, -place, place), first=0)
+        self.last_marker_position = declared.state(number("last_marker_position_mm", MM, -place, place), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
         bounds = _bounds(config, config.vehicle_length_mm if length is None else length.high)
         self.ghosts = Ghosts(

@@ -55,8 +55,8 @@ def world(own: Parts) -> World:
         moves |= {of_unit.wander: ite(unit.can_be_run, of_unit.next_wander, of_unit.wander), **unit.moves()}
         if of_unit.unset is not None:
             moves[of_unit.unset] = _unset(own, index, of_unit.unset)
-    if seen.faulty is not None:
-        moves[seen.faulty] = seen.faulty
+    if seen.faulty_unit is not None:
+        moves[seen.faulty_unit] = seen.faulty_unit
     return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
 
 
@@ -132,14 +132,14 @@ def _unit_law(own: Parts, index: int) -> Law:
 
 def lawful(own: Parts, unit: Unit) -> Bool:
     """Return whether the unit obeys its error law; in a machine without faults every unit does."""
-    if own.ghosts.faulty is None:
+    if own.ghosts.faulty_unit is None:
         return TRUE
-    return own.ghosts.faulty.ne(Lit(1 + own.units.index(unit), own.ghosts.faulty.unit))
+    return own.ghosts.faulty_unit.ne(Lit(1 + own.units.index(unit), own.ghosts.faulty_unit.unit))
 
 
 def _never_alone(own: Parts) -> dict[str, Law]:
     """Assume, if a lone distance is used, that the distance of a faulty unit never comes alone."""
-    if own.ghosts.faulty is None or own.config.single_fault_safe:
+    if own.ghosts.faulty_unit is None or own.config.single_fault_safe:
         return {}
     pairs = [(2 * number, 2 * number + 1) for number in range(len(own.devices))]
     term = all_of(

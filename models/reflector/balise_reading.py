@@ -22,7 +22,7 @@ class BaliseReading:
     position   place of end A when it passes the balise
     since      distance run since then, as latched by the counters
     reference  telegram: distance from balise to reflector
-    search     telegram: distance after the balise from which on the reflector is searched (RFL-8)
+    search_from     telegram: distance after the balise from which on the reflector is searched (RFL-8)
     """
 
     identity: Optional
@@ -30,7 +30,7 @@ class BaliseReading:
     accuracy: Optional
     since: Optional
     reference: Optional
-    search: Optional
+    search_from: Optional
     accuracy_mm: int
     latency_ppm: int
     law_ppm: int

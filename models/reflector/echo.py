@@ -85,7 +85,7 @@ class Slot:
     intensity: NumVar
     lateral: NumVar
     last_verdict: NumVar
-    last_verdict_next: NumVar
+    last_verdict_for_next: NumVar
 
 
 def slot(declared: Declared, number_: int, range_limit_mm: int) -> Slot:

@@ -188,7 +188,7 @@ class Parts:
     """The variables of the machine.
 
     odometer     distance measured in the cycle
-    frame        a radar frame came in the cycle, with an echo in each of the `slots`
+    frame_present        a radar frame came in the cycle, with an echo in each of the `slots`
     balise       reading of a balise, absent in most cycles
     ahead        the map's next reflector
     contradicted the route machine found the route contradicted
@@ -199,12 +199,12 @@ class Parts:
                  that passed left open, and the drift since; 0 where none passed
     reference    prescribed distance from the balise of the self-test to its reflector
     search_from  distance after that balise from which the reflector is searched; 0: by its view zone on the map
-    run          distance run since that balise
-    procedure    the balise that started the last self-test; 0: none
+    run_since_balise          distance run since that balise
+    procedure_balise    the balise that started the last self-test; 0: none
     found        place of the reflector found last; its lowest value: none
     pauses, misses  cycles in a row without a frame, and frames in a row without the target's echo
-    recognised   the target was recognised in this cycle
-    range, range_error, lateral  the measurement of this cycle, 0 where there is none
+    recognised_now   the target was recognised in this cycle
+    range, measured_error, lateral  the measurement of this cycle, 0 where there is none
     error        why there is no position, or no precise one
     """
 
@@ -221,19 +221,21 @@ class Parts:
         self.odometer = _odometer(declared, config)
         self.reference = declared.state(number("reference_mm", MM, 0, reach), first=0)
         self.search_from = declared.state(number("search_from_mm", MM, 0, reach), first=0)
-        self.run = declared.state(
+        self.run_since_balise = declared.state(
             number("run_since_balise_mm", MM, -config.reference_run_mm, config.reference_run_mm), first=0
         )
-        self.procedure = declared.state(number("procedure_balise", COUNT, 0, config.last_balise_identity), first=0)
+        self.procedure_balise = declared.state(
+            number("procedure_balise", COUNT, 0, config.last_balise_identity), first=0
+        )
         self.found = declared.state(number("last_found_mm", MM, -limit - 1, limit), first=-limit - 1)
         self.pauses = declared.state(number("pauses", COUNT, 0, config.pause_limit_cycles), first=0)
         self.misses = declared.state(number("misses", COUNT, 0, config.loss_limit_cycles), first=0)
-        self.recognised = declared.state(boolean("recognised_now"), first=False)
+        self.recognised_now = declared.state(boolean("recognised_now"), first=False)
         self.range = declared.state(number("measured_range_mm", MM, 0, reach), first=0)
-        self.range_error = declared.state(number("measured_error_mm", MM, 0, MAX_ERROR_MM), first=0)
+        self.measured_error = declared.state(number("measured_error_mm", MM, 0, MAX_ERROR_MM), first=0)
         self.lateral = declared.state(number("measured_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM), first=0)
         self.error = declared.state(choice("error", enumeration(ERROR)), first=NO_POSITION)
-        self.frame = declared.sensor(boolean("frame_present"))
+        self.frame_present = declared.sensor(boolean("frame_present"))
         self.slots = tuple(slot(declared, number_, reach) for number_ in range(1, config.echo_slots + 1))
         self.balise = _balise(declared, config)
         self.ahead = next_reflector(declared, limit, reach, offset)

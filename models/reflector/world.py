@@ -224,7 +224,7 @@ def _far_nm(config: ReflectorConfig) -> int:
 
 def _strong(own: Parts, slot: Slot) -> Bool:
     """Return whether the slot has an echo with the minimum intensity."""
-    return own.frame & slot.range.present & (slot.intensity >= own.config.minimum_intensity_cdb)
+    return own.frame_present & slot.range.present & (slot.intensity >= own.config.minimum_intensity_cdb)
 
 
 def _range_law(own: Parts) -> Law:
@@ -235,7 +235,9 @@ def _range_law(own: Parts) -> Law:
         wrong = own.ghosts.next_bias + scaled
         too_near = origin - _radar(own) - exact_to(slot.range.value, NM) + wrong
         bound = exact_to(slot.error, NM)
-        return (real & own.frame & slot.range.present).implies(between(-bound - forward, too_near, bound + backward))
+        return (real & own.frame_present & slot.range.present).implies(
+            between(-bound - forward, too_near, bound + backward)
+        )
 
     return Law(
         all_of(kept(*one, scaled) for one, scaled in zip(_echoes(own), own.ghosts.scaled, strict=True)),

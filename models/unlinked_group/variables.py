@@ -126,7 +126,7 @@ class Memory:
     group, passed  identity of the group, and the orientation in which it was passed
     accuracy       location accuracy of the group: the national value, or its default, when the group was read
     age            time since the reading
-    verdict, why   of the cycle: on the reading, and why there is no reference
+    verdict, reason   of the cycle: on the reading, and why there is no reference
     """
 
     group: NumVar
@@ -134,7 +134,7 @@ class Memory:
     accuracy: NumVar
     age: NumVar
     verdict: NumVar
-    why: NumVar
+    reason: NumVar
 
 
 class Ghosts:
@@ -144,9 +144,9 @@ class Ghosts:
     wander, next_wander  the one-off part of the odometer's error, before the cycle and, freely chosen, after it
     last_delivered, silent  the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
     backwards, rolled    the direction of running as measured, and the distance run against it without a break, mm
-    national             the national location accuracy, as last received, mm
+    national_accuracy_sent             the national location accuracy, as last received, mm
     true_cycle_distance            the true run of the cycle
-    detected             how far the antenna was beyond balise 1 when it reported to stand over it
+    read_beyond             how far the antenna was beyond balise 1 when it reported to stand over it
     true_since           the true run of the vehicle since the reading
     reading_wander       the one-off part of the odometer's error at the reading
     """
@@ -170,12 +170,12 @@ class Ghosts:
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
         told = number("national_accuracy_sent_mm", MM, 0, LARGEST_ACCURACY_MM)
-        self.national = declared.ghost(told, first=config.default_accuracy_mm)
+        self.national_accuracy_sent = declared.ghost(told, first=config.default_accuracy_mm)
         self.true_cycle_distance = declared.choice(
             number("true_cycle_distance_nm", NM, -limits.blind_nm, limits.blind_nm)
         )
         self.next_wander = declared.choice(number("odometer_next_wander_nm", NM, -half, half))
-        self.detected = declared.choice(number("read_beyond_nm", NM, -off, off))
+        self.read_beyond = declared.choice(number("read_beyond_nm", NM, -off, off))
         self.true_since = declared.choice(number("true_since_nm", NM, -since, since))
         self.reading_wander = declared.choice(number("reading_wander_nm", NM, -half, half))
 
@@ -233,5 +233,5 @@ def _memory(declared: Declared, config: UnlinkedGroupConfig) -> Memory:
         accuracy=declared.state(number("reference_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         age=declared.state(number("reference_age_ms", MS, 0, LONGEST_AGE_MS), first=0),
         verdict=declared.state(choice("telegram_last_verdict", enumeration(READ)), first=NONE),
-        why=declared.state(choice("reason", enumeration(WHY)), first=NO_GROUP),
+        reason=declared.state(choice("reason", enumeration(WHY)), first=NO_GROUP),
     )

@@ -95,5 +95,5 @@ def _rightly(model: Balise) -> Iterator[Property]:
 def _where_announced(model: Balise, slot: Record) -> Bool:
     """If the group that was read is the one in a slot, it lies within its location accuracy of its place."""
     step = Step(model)
-    off, most = model.own.world.spot - exact_to(earlier_num(slot.place), NM), exact_to(step.accuracy_of(slot), NM)
+    off, most = model.own.world.read_place - exact_to(earlier_num(slot.place), NM), exact_to(step.accuracy_of(slot), NM)
     return step.read_of(slot).implies(between(-most, off, most))

@@ -131,12 +131,14 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     "and shows a chain that is dead": ("due", lambda own: TRUE, "a pattern that passes came through the chain"),
     "one cycle too early": (
         "due",
-        lambda own: (own.since + 2 >= own.config.due_cycles - own.config.window_cycles) | (own.asked > 0),
+        lambda own: (
+            (own.since_passed + 2 >= own.config.due_cycles - own.config.window_cycles) | (own.since_request > 0)
+        ),
         "a pattern that passes came through the chain",
     ),
     "the answer to a request does not count": (
         "due",
-        lambda own: own.since + 1 >= own.config.due_cycles - own.config.window_cycles,
+        lambda own: own.since_passed + 1 >= own.config.due_cycles - own.config.window_cycles,
         "a pattern passes when the emitter is to send, and only then",
     ),
     "from anywhere": ("near", lambda own: TRUE, "only the own pattern passes"),
@@ -147,12 +149,12 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     ),
     "no pattern is awaited": (
         "overdue",
-        lambda own: own.asked >= own.config.answer_cycles,
+        lambda own: own.since_request >= own.config.answer_cycles,
         "silence is reported",
     ),
     "no answer is awaited": (
         "overdue",
-        lambda own: own.since >= own.config.due_cycles,
+        lambda own: own.since_passed >= own.config.due_cycles,
         "request is answered",
     ),
 }

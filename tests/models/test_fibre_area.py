@@ -341,7 +341,7 @@ def _with_broken(wires: Wiring, name: str) -> Wiring:
             "fibre_error": {own.fibre_error: says.flag("error")},
             "ends_low": {own.ends_low.present: FALSE},
             "chain_failed": {own.chain_failed: FALSE, own.chain_tested: TRUE},
-            "located": {own.located: says.flag("valid"), own.place.present: says.flag("valid")},
+            "located": {own.located: says.flag("valid"), own.fibre_position.present: says.flag("valid")},
         }
         return {**wires(verification, front, rear, emitter, entry_), **wrong[name]}
 

@@ -152,7 +152,7 @@ def test_a_broken_update_loses_the_truth(name: str, change: Callable[[Guard], di
     [
         ("no resurrection", "receiver believed again", {"when": MODEL.judgement.agrees}),
         ("an implausible fix costs the trust", "implausible fix", {"when": FALSE}),
-        ("only a full row passes", "fix passed on", {"set": {MODEL.own.agreed: as_num(1, COUNT)}}),
+        ("only a full row passes", "fix passed on", {"set": {MODEL.own.agreed_fixes: as_num(1, COUNT)}}),
         ("faults are never passed", "fix passed on", {"when": TRUE}),
     ],
 )
@@ -175,7 +175,7 @@ def _trusted_at_once(_: object) -> property:
 
 
 def _one_too_few(_: object) -> property:
-    return property(lambda judged: judged.own.agreed + 2 >= judged.own.config.confirmations)
+    return property(lambda judged: judged.own.agreed_fixes + 2 >= judged.own.config.confirmations)
 
 
 def _jumps_forgiven(_: object) -> property:
@@ -191,7 +191,7 @@ def _doubt_counts(_: object) -> property:
 
 
 def _row_by_two(_: object) -> property:
-    return property(lambda judged: minimum(judged.own.agreed + 2, judged.own.config.confirmations))
+    return property(lambda judged: minimum(judged.own.agreed_fixes + 2, judged.own.config.confirmations))
 
 
 def _begins_by_anything(_: object) -> property:

@@ -205,7 +205,7 @@ def cycles(*measures: tuple[int | None, int | None]) -> list[dict[str, object]]:
         for one, other in measures
     ]
     return [
-        {"distance": one.outputs["distance_mm"] if one.outputs["told"] else None, "more": one.outputs["more_nm"],
+        {"distance": one.outputs["distance_mm"] if one.outputs["reported"] else None, "more": one.outputs["more_nm"],
          "fired": next(iter(one.fired.values()))}
         for one in run(system, steps).steps
     ]  # fmt: skip
