@@ -130,7 +130,8 @@ def test_links(name: str) -> None:
 
 def test_dependencies_are_declared() -> None:
     """Every package that is imported is declared, by the core or by an extra for users; jinja2 brings markupsafe."""
-    distributions = {"z3": "z3-solver", "tomli_w": "tomli-w", "vcd": "pyvcd"}
+    distributions = {"z3": "z3-solver", "tomli_w": "tomli-w", "vcd": "pyvcd", "paho": "paho-mqtt"}
+    distributions |= {"prometheus_client": "prometheus-client"}
     extras = project()["project"]["optional-dependencies"]
     users = [one for name, every in extras.items() if name not in ("bench", "dev") for one in every]
     named = [*project()["project"]["dependencies"], *users]

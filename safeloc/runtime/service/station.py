@@ -38,7 +38,7 @@ _LAST_WORDS_S = 5.0
 
 
 class Work(ABC):
-    """What a loop turns: one station, or several that come and go.
+    """The work of a loop: one station, or several that come and go.
 
     stop_by   time of the monotonic clock after which lines are no longer handled; they count as lost
     over      there is no more to read

@@ -48,7 +48,7 @@ class _Heard:
 
 
 class Leases:
-    """What a process knows of the leases and of the other processes.
+    """The leases and the other processes, as far as this process was told of them.
 
     me        the name of this process
     length_s  length of a lease

@@ -21,16 +21,16 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from safeloc.runtime.service.saved_fields import checked_fields
 
-MOST_MESSAGES = 128
+_MOST_MESSAGES = 128
 """Messages of a vehicle that are remembered: some ten seconds."""
 
-EARLY_LINES = 1_000
+_EARLY_LINES = 1_000
 """Numbers up to this one count as those of the first messages of a vehicle."""
 
 _MOST_VEHICLES = 2_000
 _BYTES = 8
 _NUMBER = re.compile(rb'"number": ?([0-9]{1,18})')
-_Digests = Annotated[str, Field(pattern=r"^([0-9a-f]{16})*$", max_length=MOST_MESSAGES * _BYTES * 2)]
+_Digests = Annotated[str, Field(pattern=r"^([0-9a-f]{16})*$", max_length=_MOST_MESSAGES * _BYTES * 2)]
 
 
 class _Saved(BaseModel):
@@ -51,7 +51,7 @@ class Recent:
         known = self._of.get(vehicle)
         if known is None:
             known = self._remembered(vehicle)
-        elif digest in known and (again or _first_number(payload) > EARLY_LINES):
+        elif digest in known and (again or _first_number(payload) > _EARLY_LINES):
             return True
         known.append(digest)
         return False
@@ -69,7 +69,7 @@ class Recent:
     def _remembered(self, vehicle: str) -> deque[bytes]:
         if len(self._of) >= _MOST_VEHICLES:
             del self._of[next(iter(self._of))]
-        return self._of.setdefault(vehicle, deque(maxlen=MOST_MESSAGES))
+        return self._of.setdefault(vehicle, deque(maxlen=_MOST_MESSAGES))
 
 
 def _first_number(payload: bytes) -> int:

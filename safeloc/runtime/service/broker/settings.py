@@ -1,4 +1,4 @@
-"""Where the broker is, and how to log in: from the address, a file and the environment, never from the command line."""
+"""Settings of a broker and credentials for it: from the address, a file and the environment, never from the command line."""
 
 from __future__ import annotations
 
