@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import assert_never
 
 from safeloc.explain.failing_parts import Part, failing_parts
@@ -27,6 +28,8 @@ _LONGEST = 2_000
 _DEEPEST = 14
 _MOST_PARTS = 40
 _MOST_STEPS = 40
+_FOLDED = 4
+"""Fewest steps that fire the same, without an input that matters, of which only the first and the last are told."""
 _SIMPLER_SECONDS = 10.0
 KINDS = {
     "always": "always: it holds in the first state and after every step",
@@ -189,10 +192,10 @@ def violation(run: Trace, prop: Property) -> Iterator[Section]:
     """Yield the inputs of a run that violates a property, and the part of its term that fails."""
     first = {name: shown(run.system.variable(name), value) for name, value in open_first(run).items()}
     lines = [f"first: {_values(first)}"] if first else []
-    rows = mattering_rows(run)
-    lines += [_row(row) for row in rows[-_MOST_STEPS:]] or ["its first state violates it"]
+    rows = list(_row_lines(mattering_rows(run)))
+    lines += [row for row, _ in rows[-_MOST_STEPS:]] or ["its first state violates it"]
     if len(rows) > _MOST_STEPS:
-        lines.insert(1, f"... {len(rows) - _MOST_STEPS} more steps")
+        lines.insert(1, f"... {sum(steps for _, steps in rows[:-_MOST_STEPS])} more steps")
     yield Section("The inputs that matter; all others are absent, false or nearest to zero", tuple(lines))
     yield failing_section(run, prop)
 
@@ -210,6 +213,18 @@ def failing_section(run: Trace, prop: Property) -> Section:
         )
     where = f"in step {len(run.steps)}" if run.steps else "in the first state"
     return Section(f"The part that fails {where}, with its values", tuple(lines))
+
+
+def _row_lines(rows: Sequence[Row]) -> Iterator[tuple[str, int]]:
+    """Yield lines, each with its number of steps; many steps that fire the same without an input that matters are three lines."""
+    for (fired, has_inputs), group in groupby(rows, key=lambda row: (row.fired, bool(row.inputs))):
+        some = list(group)
+        if has_inputs or len(some) < _FOLDED:
+            yield from ((_row(one), 1) for one in some)
+        else:
+            yield _row(some[0]), 1
+            yield f"      ... {len(some) - 2} more steps: {fired}", len(some) - 2
+            yield _row(some[-1]), 1
 
 
 def _row(row: Row) -> str:
