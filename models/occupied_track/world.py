@@ -16,6 +16,8 @@ from safeloc.models.turn_off import UNDECIDED as NO_COURSE
 
 POSITION = "a position that is given holds the front end"
 """The clause that a localizer can guarantee."""
+TURN = "a turn that is seen is taken"
+"""The clause that the turn-off machine can guarantee."""
 
 
 def world(own: Parts) -> World:
@@ -39,7 +41,7 @@ def world(own: Parts) -> World:
             "the map has the length of the true edge": _length_law(own),
             "a start names the true track": _start_law(own),
             "a group is read on the true edge": _group_law(own),
-            "a turn that is seen is taken": _turn_law(own),
+            TURN: _turn_law(own),
             "the map has the course of the true track": _course_law(own),
             "a movement that is excluded does not happen": _movement_law(own),
         },
@@ -157,9 +159,9 @@ def _length_law(own: Parts) -> Law:
 
 
 def _start_law(own: Parts) -> Law:
-    right = own.start.value.eq(_edge(own)) & own.start_origin.eq(_origin(own)) & own.start_length.eq(_length(own))
+    right = own.start_edge.eq(_edge(own)) & own.start_origin.eq(_origin(own)) & own.start_length.eq(_length(own))
     return Law(
-        own.start.present.implies(right),
+        own.start.implies(right),
         "A start names the edge on which the front end is, the coordinate at which it begins, and its length.",
         source="[D] a balise group whose place is on the announced route, or an entry by the driver that is checked",
         owner="infrastructure",
