@@ -11,7 +11,7 @@ from collections.abc import Callable
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
-from safeloc.models.occupied_track.variables import FIRST, NOT_KNOWN, SECOND, Joint, Offer, Parts
+from safeloc.models.occupied_track.variables import FIRST, NO_EDGE, NOT_KNOWN, SECOND, Joint, Offer, Parts
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
 
 POSITION = "a position that is given holds the front end"
@@ -78,7 +78,12 @@ def _origin(own: Parts) -> Num:
 
 
 def _is_true(own: Parts, offer: Offer) -> Bool:
-    return offer.edge.eq(_edge(own)) & offer.origin.eq(_origin(own))
+    return _of(offer.edge, _edge(own)) & offer.origin.eq(_origin(own))
+
+
+def _of(stated: Num, edge: Num) -> Bool:
+    """Return whether the map states something of this edge; what it states of no edge says nothing."""
+    return stated.ne(NO_EDGE) & stated.eq(edge)
 
 
 # ------------------------------------------------------------------ the laws
@@ -112,7 +117,7 @@ def _at_joints(own: Parts, law: Callable[[Joint], Bool]) -> Bool:
     """Return whether a law of the passed joint holds in each entry of the map for the true edge."""
     terms: list[Bool] = []
     for entry in own.entries:
-        of_true = entry.edge.eq(own.ghosts.edge)
+        of_true = _of(entry.edge, own.ghosts.edge)
         terms.append((of_true & _ahead(own)).implies(law(entry.ahead)))
         terms.append((of_true & _behind(own)).implies(law(entry.behind)))
     return all_of(terms)
@@ -148,7 +153,7 @@ def _points_law(own: Parts) -> Law:
 
 def _length_law(own: Parts) -> Law:
     return Law(
-        all_of(one.edge.eq(_edge(own)).implies(one.length.eq(_length(own))) for one in own.offers),
+        all_of(_of(one.edge, _edge(own)).implies(one.length.eq(_length(own))) for one in own.offers),
         "The length that the map states of the edge on which the vehicle is, is that edge's. Coordinates along a track are sums of these "
         "lengths, so what survey and track differ is part of the error of the position.",
         ("longest_edge_mm",),
