@@ -143,7 +143,7 @@ def _turn_excludes(model: OccupiedTrack, offer: Offer) -> Bool:
 
 def _start_excludes(model: OccupiedTrack, offer: Offer) -> Bool:
     own = model.own
-    return own.start.present & (own.start.value.ne(offer.edge) | own.start_origin.ne(offer.origin))
+    return own.start & (own.start_edge.ne(offer.edge) | own.start_origin.ne(offer.origin))
 
 
 def _excluded(model: OccupiedTrack, offer: Offer) -> Bool:
@@ -280,7 +280,7 @@ def _silent(model: OccupiedTrack) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "no resurrection",
-        (_carrying(model) & ~earlier_bool(_carrying(model))).implies(model.own.start.present & _located(model)),
+        (_carrying(model) & ~earlier_bool(_carrying(model))).implies(model.own.start & _located(model)),
         statement="once no track is carried, only a start on a given position begins anew",
     )
     yield for_all_inputs(
@@ -341,18 +341,18 @@ def _starts(model: OccupiedTrack) -> Iterator[Property]:
     silent, lies = earlier_bool(~_carrying(model)), ~_beside(model, own.start_origin, own.start_length)
     yield for_all_inputs(
         "a start begins on its track",
-        (silent & own.start.present & _located(model) & lies).implies(
-            model.machine.flag("valid") & model.machine.output("edge").eq(own.start.value)
+        (silent & own.start & _located(model) & lies).implies(
+            model.machine.flag("valid") & model.machine.output("edge").eq(own.start_edge)
         ),
         statement="a start on whose edge the position lies begins, and that edge is told in the same cycle",
     )
-    named = any_of(slot.edge.eq(own.start.value) & slot.origin.eq(own.start_origin) for slot in own.slots)
+    named = any_of(slot.edge.eq(own.start_edge) & slot.origin.eq(own.start_origin) for slot in own.slots)
     others = any_of(
-        _there(slot) & (slot.edge.ne(own.start.value) | slot.origin.ne(own.start_origin)) for slot in own.slots
+        _there(slot) & (slot.edge.ne(own.start_edge) | slot.origin.ne(own.start_origin)) for slot in own.slots
     )
     yield for_all_inputs(
         "a start leaves its own track",
-        (own.start.present & _carrying(model)).implies(named & ~others),
+        (own.start & _carrying(model)).implies(named & ~others),
         statement="after a start the machine carries the track that the start names, and no other",
     )
 
@@ -436,7 +436,7 @@ def _reached(model: OccupiedTrack) -> Iterator[Property]:
         "a turn tells the branch",
         machine.fired("one edge is left")
         & ~model.own.group.present
-        & ~model.own.start.present
+        & ~model.own.start
         & model.own.turned.ne(UNDECIDED),
         statement="a turn that is seen can end the other tracks",
         requirements=REQUIREMENTS,

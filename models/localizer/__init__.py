@@ -69,7 +69,11 @@ class More:
     discharge: tuple[Machine | Clause, ...] = ()
 
 
-def _no_more(_: Motion, __: Machine, ___: Transmission) -> More:
+Behind = Callable[[Motion, Machine, Transmission, Mapping[str, Piece]], More]
+"""What another composition adds: from the movement, the restrictive state, the uplink, and the sources by name."""
+
+
+def _no_more(_: Motion, __: Machine, ___: Transmission, ____: Mapping[str, Piece]) -> More:
     return More()
 
 
@@ -79,12 +83,12 @@ def compose_machines(
     name: str = "localizer",
     own: Sequence[Maker] = (),
     only_own: bool = False,
-    behind: Callable[[Motion, Machine, Transmission], More] = _no_more,
+    behind: Behind = _no_more,
 ) -> Localizer:
     """Compose the localizer of a vehicle: its sources in declared order, the arbitration, then the machines that use the result.
 
     own      functions that make further sources (safeloc.models.localizer.own_source); `only_own`: and no shipped ones
-    behind   from the movement, the restrictive state and the uplink: what another composition adds
+    behind   what another composition adds
     """
     config = config or LocalizerConfig()
     moves = motion.build(motion.parts(config.motion))
@@ -100,7 +104,7 @@ def compose_machines(
     )
     guard = delocalized.build(restrictive)
     uplink = _link("uplink", config.uplink, moves)
-    more = behind(moves, guard, uplink)
+    more = behind(moves, guard, uplink, pieces)
     wires = {
         **{var: term for piece in pieces.values() for var, term in piece.wires.items()},
         **link_wires,

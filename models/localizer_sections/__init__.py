@@ -26,7 +26,7 @@ from safeloc.language.units import MS
 from safeloc.models import area as area_model
 from safeloc.models import transmission
 from safeloc.models.area import Area, AreaConfig, moves_clause, refuse_inner_detection, reports_clause
-from safeloc.models.localizer import Localizer, LocalizerConfig, More
+from safeloc.models.localizer import Localizer, LocalizerConfig, More, Piece
 from safeloc.models.localizer import compose_machines as compose_localizer
 from safeloc.models.localizer_sections import train_ends, train_seen
 from safeloc.models.localizer_sections.train_ends import TrainConfig, TrainEnds
@@ -92,7 +92,7 @@ def compose_machines(config: LocalizerSectionsConfig | None = None) -> Localizer
     config = config or LocalizerSectionsConfig()
     made: list[_Behind] = []
 
-    def behind(moves: Motion, guard: Machine, uplink: Transmission) -> More:
+    def behind(moves: Motion, guard: Machine, uplink: Transmission, _: Mapping[str, Piece]) -> More:
         made.append(_Behind(config, moves, guard, uplink))
         return made[0].more()
 

@@ -135,7 +135,7 @@ def _taken(own: Parts, kept: tuple[Bool, ...]) -> Updates:
 def _begun(own: Parts) -> Updates:
     """Return the updates of the slots at a start: its track is the only one."""
     first, *others = own.slots
-    start: Updates = {first.edge: own.start.value, first.origin: own.start_origin, first.length: own.start_length}
+    start: Updates = {first.edge: own.start_edge, first.origin: own.start_origin, first.length: own.start_length}
     return together(start, *(_empty(slot) for slot in others))
 
 

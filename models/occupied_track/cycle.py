@@ -76,7 +76,7 @@ class Cycle:
         own = self.own
         group = ~own.group.present | (own.group.value.eq(offer.edge) & self.group_fits(offer))
         turn = own.turned.eq(NO_COURSE) | offer.course.eq(NO_COURSE) | own.turned.eq(offer.course)
-        start = ~own.start.present | (own.start.value.eq(offer.edge) & own.start_origin.eq(offer.origin))
+        start = ~own.start | (own.start_edge.eq(offer.edge) & own.start_origin.eq(offer.origin))
         return all_of([self.may_be_on(offer.origin, offer.length), group, turn, start])
 
     def group_fits(self, offer: Offer) -> Bool:
@@ -92,7 +92,7 @@ class Cycle:
     @property
     def begins(self) -> Bool:
         """A start gives the track, and the position lies on it."""
-        return self.located & self.own.start.present & self.may_be_on(self.own.start_origin, self.own.start_length)
+        return self.located & self.own.start & self.may_be_on(self.own.start_origin, self.own.start_length)
 
 
 def _same(offer: Offer, slot: Slot) -> Bool:

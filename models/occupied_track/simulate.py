@@ -9,7 +9,7 @@ drawn: an interval around the front end. The map answers to what the machine on 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from random import Random
 
@@ -25,7 +25,7 @@ from safeloc.railway.map.elements import Balise, BaliseGroup
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.routes import Route, through_routes
 from safeloc.railway.map.toml_files import find_line
-from safeloc.railway.map.topology import Topology
+from safeloc.railway.map.topology import Run, Topology
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulated import SimulatedRun
 from safeloc.simulation.motion import Leg, VehicleConfig, move
@@ -68,6 +68,12 @@ def line() -> Line:
     return plain.model_copy(update={"balise_groups": (*plain.balise_groups, *added)})
 
 
+def route_of(topology: Topology, models: str) -> Route:
+    """Return the route of fig. 3 with these reflector models along it."""
+    routes = [one for one in through_routes(topology, 100) if one.runs[0].direction == "increasing"]
+    return next(one for one in routes if one.models() == models)
+
+
 def simulate(config: OccupiedTrackConfig, scene: Scene, *, seed: int) -> SimulatedRun:
     """Return a run as steps: inputs, ghost inputs, and the remark `truth_mm` (the coordinate, rounded down)."""
     run = _Run(config, scene, Random(seed))
@@ -87,18 +93,22 @@ def _on_board(config: str) -> Compiled:
 
 
 @dataclass
-class _World:
+class TrueTrack:
     """The true edge and where it begins, along a route from coordinate 0."""
 
     route: Route
     index: int = 0
     origin_mm: int = 0
-    passed: list[str] = field(default_factory=list)
+
+    @property
+    def run(self) -> Run:
+        """The true edge, in the direction of growing coordinates."""
+        return self.route.runs[self.index]
 
     @property
     def length_mm(self) -> int:
         """Length of the true edge."""
-        return self.route.topology.length_mm(self.route.runs[self.index])
+        return self.route.topology.length_mm(self.run)
 
     def go(self, truth_nm: int) -> str:
         """Move to a coordinate; return the node of the facing switch that was passed ahead, or nothing."""
@@ -119,10 +129,9 @@ class _Run:
 
     def __init__(self, config: OccupiedTrackConfig, scene: Scene, rng: Random) -> None:
         topology = Topology(line())
-        routes = [one for one in through_routes(topology, 100) if one.runs[0].direction == "increasing"]
-        self._route = next(one for one in routes if one.models() == scene.models)
+        self._route = route_of(topology, scene.models)
         self._scene, self._rng, self._config = scene, rng, config
-        self._map, self._world = LookUp(topology, config), _World(self._route)
+        self._map, self._world = LookUp(topology, config), TrueTrack(self._route)
         self._board = _on_board(config.model_dump_json())
         self._state = self._board.first()
         self._watched: tuple[str, int] | None = None
@@ -167,7 +176,7 @@ class _Run:
             **self._groups(before_nm, truth_nm),
         }
         self._state, _ = self._board.step(self._state, self._board.read(inputs))
-        edge = self._map.number(self._route.runs[self._world.index])
+        edge = self._map.number(self._world.run)
         ghosts: dict[str, Cell] = {
             "next_truth_nm": truth_nm,
             "entered_edge": edge,
@@ -217,7 +226,7 @@ class _Run:
     def _groups(self, before_nm: int, truth_nm: int) -> dict[str, Cell]:
         """Return what a group that is passed tells: the track where none is carried, else which of those that are."""
         quiet: dict[str, Cell] = {
-            "start_origin_mm": 0, "start_length_mm": self._config.shortest_edge_mm, "group_place_mm": 0, "group_error_mm": 0,
+            "start_given": False, "start_edge": 1, "start_origin_mm": 0, "start_length_mm": self._config.shortest_edge_mm, "group_place_mm": 0, "group_error_mm": 0,
         }  # fmt: skip
         passed = [
             met for met in self._route.objects()
@@ -225,9 +234,14 @@ class _Run:
         ]  # fmt: skip
         if not passed:
             return quiet
-        edge, origin = self._map.number(self._route.runs[self._world.index]), self._world.origin_mm
+        edge, origin = self._map.number(self._world.run), self._world.origin_mm
         if not any(self._carried()):
-            return quiet | {"start_edge": edge, "start_origin_mm": origin, "start_length_mm": self._world.length_mm}
+            return quiet | {
+                "start_given": True,
+                "start_edge": edge,
+                "start_origin_mm": origin,
+                "start_length_mm": self._world.length_mm,
+            }
         place = passed[-1].position_mm - origin
         return quiet | {"group_edge": edge, "group_place_mm": place, "group_error_mm": _GROUP_ERROR_MM + _REACH_MM}
 

@@ -90,7 +90,7 @@ class Parts:
 
     located, low, high   inputs: the localizer gives a position, and the ends of its interval (min and max safe front end)
     no_advance, no_retreat  inputs: in this cycle the vehicle surely did not run ahead, or back
-    start                input: the edge on which the vehicle surely is, with its origin and length; absent without a start
+    start, start_edge    inputs: a start is given, and the edge on which the vehicle then surely is, with its origin and length
     group                input: the edge of a balise group that was read, with the place of the front end on it, and the error
     turned               input: the course taken at a switch, if a turn was seen
     entries              inputs: the map for each track that was carried until now
@@ -109,7 +109,8 @@ class Parts:
         self.high = declared.sensor(number("front_high_mm", MM, -limit, limit))
         self.no_advance = declared.sensor(boolean("surely_not_ahead"))
         self.no_retreat = declared.sensor(boolean("surely_not_back"))
-        self.start = declared.sensor(optional("start_edge", COUNT, 1, config.edges))
+        self.start = declared.sensor(boolean("start_given"))
+        self.start_edge = declared.sensor(number("start_edge", COUNT, 1, config.edges))
         self.start_origin = declared.sensor(self._origin("start_origin_mm"))
         self.start_length = declared.sensor(self._length("start_length_mm"))
         self.group = declared.sensor(optional("group_edge", COUNT, 1, config.edges))

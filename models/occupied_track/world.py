@@ -11,11 +11,13 @@ from collections.abc import Callable
 from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
-from safeloc.models.occupied_track.variables import FIRST, NOT_KNOWN, SECOND, Joint, Offer, Parts
+from safeloc.models.occupied_track.variables import FIRST, NO_EDGE, NOT_KNOWN, SECOND, Joint, Offer, Parts
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
 
 POSITION = "a position that is given holds the front end"
 """The clause that a localizer can guarantee."""
+TURN = "a turn that is seen is taken"
+"""The clause that the turn-off machine can guarantee."""
 
 
 def world(own: Parts) -> World:
@@ -39,7 +41,7 @@ def world(own: Parts) -> World:
             "the map has the length of the true edge": _length_law(own),
             "a start names the true track": _start_law(own),
             "a group is read on the true edge": _group_law(own),
-            "a turn that is seen is taken": _turn_law(own),
+            TURN: _turn_law(own),
             "the map has the course of the true track": _course_law(own),
             "a movement that is excluded does not happen": _movement_law(own),
         },
@@ -76,7 +78,12 @@ def _origin(own: Parts) -> Num:
 
 
 def _is_true(own: Parts, offer: Offer) -> Bool:
-    return offer.edge.eq(_edge(own)) & offer.origin.eq(_origin(own))
+    return _of(offer.edge, _edge(own)) & offer.origin.eq(_origin(own))
+
+
+def _of(stated: Num, edge: Num) -> Bool:
+    """Return whether the map states something of this edge; what it states of no edge says nothing."""
+    return stated.ne(NO_EDGE) & stated.eq(edge)
 
 
 # ------------------------------------------------------------------ the laws
@@ -110,7 +117,7 @@ def _at_joints(own: Parts, law: Callable[[Joint], Bool]) -> Bool:
     """Return whether a law of the passed joint holds in each entry of the map for the true edge."""
     terms: list[Bool] = []
     for entry in own.entries:
-        of_true = entry.edge.eq(own.ghosts.edge)
+        of_true = _of(entry.edge, own.ghosts.edge)
         terms.append((of_true & _ahead(own)).implies(law(entry.ahead)))
         terms.append((of_true & _behind(own)).implies(law(entry.behind)))
     return all_of(terms)
@@ -146,7 +153,7 @@ def _points_law(own: Parts) -> Law:
 
 def _length_law(own: Parts) -> Law:
     return Law(
-        all_of(one.edge.eq(_edge(own)).implies(one.length.eq(_length(own))) for one in own.offers),
+        all_of(_of(one.edge, _edge(own)).implies(one.length.eq(_length(own))) for one in own.offers),
         "The length that the map states of the edge on which the vehicle is, is that edge's. Coordinates along a track are sums of these "
         "lengths, so what survey and track differ is part of the error of the position.",
         ("longest_edge_mm",),
@@ -157,9 +164,9 @@ def _length_law(own: Parts) -> Law:
 
 
 def _start_law(own: Parts) -> Law:
-    right = own.start.value.eq(_edge(own)) & own.start_origin.eq(_origin(own)) & own.start_length.eq(_length(own))
+    right = own.start_edge.eq(_edge(own)) & own.start_origin.eq(_origin(own)) & own.start_length.eq(_length(own))
     return Law(
-        own.start.present.implies(right),
+        own.start.implies(right),
         "A start names the edge on which the front end is, the coordinate at which it begins, and its length.",
         source="[D] a balise group whose place is on the announced route, or an entry by the driver that is checked",
         owner="infrastructure",

@@ -82,8 +82,8 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
         "a track that a group excludes is given up",
     ),
     "located by the localizer's word alone": ("located", lambda c, _r: c.own.located, "without a position nothing is told"),
-    "a start begins anywhere": ("begins", lambda c, _r: c.located & c.own.start.present, "the told interval is that of its tracks"),
-    "a start begins without a position": ("begins", lambda c, _r: c.own.start.present, "no resurrection"),
+    "a start begins anywhere": ("begins", lambda c, _r: c.located & c.own.start, "the told interval is that of its tracks"),
+    "a start begins without a position": ("begins", lambda c, _r: c.own.start, "no resurrection"),
 }  # fmt: skip
 
 

@@ -44,7 +44,12 @@ class Board:
     def start(self, edge: str = "301", origin_mm: int = 0, place_mm: int = 100_000) -> Told:
         """A cycle at whose end the vehicle is at a place of an edge that a start names."""
         length = self.map.topology.edges[edge].length_mm
-        given = {"start_edge": self.number(edge), "start_origin_mm": origin_mm, "start_length_mm": length}
+        given = {
+            "start_given": True,
+            "start_edge": self.number(edge),
+            "start_origin_mm": origin_mm,
+            "start_length_mm": length,
+        }
         return self.at(origin_mm + place_mm, **given)
 
     def at(
@@ -68,7 +73,7 @@ class Board:
                 answer[f"next_{slot}_edge"] = 0
         quiet: dict[str, Cell] = {
             "located": True, "front_low_mm": low, "front_high_mm": high, "surely_not_ahead": False, "surely_not_back": False,
-            "course_taken": "UNDECIDED", "start_origin_mm": 0, "start_length_mm": self.config.shortest_edge_mm,
+            "course_taken": "UNDECIDED", "start_given": False, "start_edge": 1, "start_origin_mm": 0, "start_length_mm": self.config.shortest_edge_mm,
             "group_place_mm": 0, "group_error_mm": 0,
         }  # fmt: skip
         self.state, _ = self.board.step(self.state, self.board.read(quiet | answer | told))
