@@ -42,7 +42,7 @@ class Stretching:
         """Yield the demands on all stretches: from each entry of the map and each option to the next reference, on every way."""
         most, entered = self._most_mm, self._since_entry()
         for origin, run, passed, front in self._origins():
-            window = max(most, self.reach.limit(None, None).distance_mm - entered[run] - front)
+            window = max(most + self._slack_mm, self.reach.limit(None, None).distance_mm - entered[run] - front)
             for way in self._ways(origin, run, passed, front, window):
                 yield from self._of_way(origin, way)
                 yield from self._of_window(way, window)
@@ -60,6 +60,13 @@ class Stretching:
         return max(
             (self.reach.limit(one, other).distance_mm for one in elements for other in [*elements, None]), default=0
         )
+
+    @cached_property
+    def _slack_mm(self) -> int:
+        """The distance by which a vehicle's front may leave a reference later than one that lies behind it: antenna and radar are apart."""
+        layout = self.reach.layout
+        apart = layout.antenna_offset_mm - layout.sensor_offset_mm
+        return max((abs(apart + one.view_to_mm) for one in self.options.walk.line.reflectors), default=0)
 
     def _since_entry(self) -> dict[Run, int]:
         """Return the shortest distance from an entry of the map to the start of each run."""

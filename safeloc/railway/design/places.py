@@ -18,7 +18,7 @@ from safeloc.railway.map.elements import Balise, BaliseGroup
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import along
 from safeloc.railway.map.topology import Run
-from safeloc.railway.map.walk import Walk
+from safeloc.railway.map.walk import Reference, Walk
 
 _MOST_PLACES = 2_500
 _APART_MM = (1, 1_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
@@ -77,12 +77,18 @@ class _Search:
             yield run, walk.topology.length_mm(run)
 
     def _anchors(self, walk: Walk, sample: BaliseGroup) -> Iterator[tuple[Run, int]]:
+        """Places as far from an entry, or from what stands, as either direction of travel permits."""
         antenna = self.reach.layout.antenna_offset_mm
         for run in walk.topology.entries():
-            yield from self._ahead(walk, run, self.reach.limit(None, sample).distance_mm - antenna)
+            for farthest in self._limits(None, sample):
+                yield from self._ahead(walk, run, farthest - antenna)
         for seen in walk.everywhere():
             front = ends_mm(seen.element, seen.offset_mm, self.reach.layout)
-            yield from self._ahead(walk, seen.run, front + self.reach.limit(seen.element, sample).distance_mm - antenna)
+            for farthest in self._limits(seen.element, sample):
+                yield from self._ahead(walk, seen.run, front + farthest - antenna)
+
+    def _limits(self, one: Reference | None, other: Reference) -> set[int]:
+        return {self.reach.limit(one, other).distance_mm, self.reach.limit(other, one).distance_mm}
 
     def _before_groups(self, walk: Walk) -> Iterator[tuple[Run, int]]:
         """Places as near before a group as its window allows."""
