@@ -1,4 +1,4 @@
-"""Proofs around a stream: processor time against the length of the stream and the width of the tube.
+"""Proofs around a stream: processor time against the length of the stream, the width of the tube and the number of sources that deviate.
 
 python -m benchmarks.bench_around [NAME ...]    all rows, or those of the machines named
 """
@@ -35,9 +35,11 @@ class Row:
 
 
 FRONT = ("front_wheel_mm", "front_radar_mm")
+SOURCES = (*FRONT, "rear_wheel_mm", "rear_radar_mm")
 ROWS = (
     *(Row("odometry", "odometry-service", dict.fromkeys(FRONT, 2), "valid", 420, cycles) for cycles in (450, 600, 800, 1050)),
     *(Row("odometry", "odometry-service", dict.fromkeys(FRONT, width), "valid", 420) for width in (0, 1, 4)),
+    *(Row("odometry", "odometry-service", dict.fromkeys(SOURCES[:count], 2), "valid", 420, 600) for count in (1, 3, 4)),
     Row("balise", "balise-service", {"odometer_mm": 2}, 'mode != "DELOCALIZED"', 500),
     Row("balise", "balise-service", {"odometer_mm": 10}, 'mode != "DELOCALIZED"', 500),
     Row("axle_counter", "axle_counter-crawling", {"axle_speed_low_mm_s": 5, "axle_speed_high_mm_s": 5}, "record_axles <= 20", 1),

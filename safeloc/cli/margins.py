@@ -18,6 +18,7 @@ from safeloc.catalogue import load_target
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.fronts import declared_pairs, found_fronts, given_pairs, print_front
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
+from safeloc.cli.line_design import DesignOptions, design_line
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, Progressing
 from safeloc.errors import InputError
@@ -55,6 +56,25 @@ def margins(
     folder: Annotated[
         Path | None, typer.Option("--out", help="folder for pictures of limits and fronts", file_okay=False)
     ] = None,
+    tolerance: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            help="TARGET is a line, by name or file: which balise groups and reflectors keep this tolerance at least cost, "
+            "such as tolerance=30m",
+        ),
+    ] = None,
+    vehicle: Annotated[str | None, typer.Option(help="with --for: the vehicle, as for `safeloc audit`")] = None,
+    cost: Annotated[
+        list[str] | None, typer.Option(help="with --for: a cost, such as add_group_eur=12000 (repeatable)")
+    ] = None,
+    add: Annotated[
+        list[str] | None,
+        typer.Option(help="with --for: a figure of what is added, such as location_accuracy_mm=300 (repeatable)"),
+    ] = None,
+    keep: Annotated[
+        list[str] | None, typer.Option(help="with --for: a balise group or reflector that stays (repeatable)")
+    ] = None,
     seconds: Annotated[
         float, typer.Option(help="limit for each claim at each value, as solvers count", min=0.1)
     ] = _SECONDS,
@@ -68,6 +88,12 @@ def margins(
     Exit code 0: every limit was found; 2: a claim is not proved with the figures as they are; 3: some value is undecided within
     the limits.
     """
+    for_line = DesignOptions(vehicle, cost or (), add or (), keep or (), folder, seconds, as_json)
+    if tolerance is not None:
+        design_line(target, tolerance, for_line)
+        return
+    if for_line.named():
+        raise typer.BadParameter(f"{for_line.named()[0]} is for the design of a line; give --for too.")
     if where not in get_args(Where):
         raise typer.BadParameter(f"--where is world or design, not {where!r}.")
     loaded = load_target(target, config)

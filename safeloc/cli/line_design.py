@@ -1,0 +1,134 @@
+"""`safeloc margins LINE --for tolerance=30m`: design a line, print it, check it, and write it as a file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeVar
+
+import typer
+from pydantic import BaseModel, ValidationError
+
+from safeloc.cli.console import err, out, print_json
+from safeloc.cli.show import EXIT_CODES
+from safeloc.errors import InputError
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit.vehicle import find_layout
+from safeloc.railway.design.checks import held_by_the_machine, written
+from safeloc.railway.design.design_data import design_data, lines
+from safeloc.railway.design.designing import Design, Task, design
+from safeloc.railway.design.figures import Added, Costs
+from safeloc.railway.design.held_stretch import HeldStretch
+from safeloc.railway.design.nearest import nearest_kept, with_tolerance
+from safeloc.railway.map.toml_files import find_line
+from safeloc.runtime.streams.steps import write_steps
+
+_TOLERANCE = re.compile(r"tolerance=(\d+(?:\.\d{1,3})?)(m|mm)")
+_SEARCH_SECONDS = 60.0
+_Figures = TypeVar("_Figures", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class DesignOptions:
+    """The options of the command line that apply to a design."""
+
+    vehicle: str | None = None
+    costs: Sequence[str] = ()
+    added: Sequence[str] = ()
+    keep: Sequence[str] = ()
+    folder: Path | None = None
+    seconds: float = 10.0
+    as_json: bool = False
+
+    def named(self) -> list[str]:
+        """Return the names of the options that were given and are of a design only."""
+        given = {"--vehicle": self.vehicle, "--cost": self.costs, "--add": self.added, "--keep": self.keep}
+        return [name for name, value in given.items() if value]
+
+
+def design_line(name: str, wanted: str, options: DesignOptions) -> None:
+    """Design a line; InputError if the tolerance cannot be kept, with the nearest one that can."""
+    line, base = find_line(name), find_layout(options.vehicle) if options.vehicle else LayoutConfig()
+    tolerance_mm = _tolerance_mm(wanted)
+    task = Task(line, base, _figures(Costs, options.costs), _figures(Added, options.added), options.keep)
+    _refuse_unknown(task)
+    layout, found, why = with_tolerance(base, tolerance_mm), None, ""
+    try:
+        found = None if layout is None else design(replace(task, layout=layout), _SEARCH_SECONDS)
+    except InputError as error:
+        why = f" ({error})"
+    if found is None:
+        raise InputError(_unkept(task, tolerance_mm) + why)
+    _tell(found, options)
+
+
+def _tell(found: Design, options: DesignOptions) -> None:
+    text, audited = written(found)
+    held = list(held_by_the_machine(found, options.seconds))
+    if options.folder is not None:
+        _write(found, text, [one.held for one in held], options.folder)
+    if options.as_json:
+        print_json(design_data(found, audited, held))
+    else:
+        for one in lines(found, audited, held):
+            out.print(one, markup=False, soft_wrap=True)
+    if audited.violated or not all(one.is_shown for one in held):
+        raise typer.Exit(EXIT_CODES["unknown"])
+
+
+def _write(found: Design, text: str, held: Sequence[HeldStretch], folder: Path) -> None:
+    """Write the designed line, and for `safeloc replay balise` the runs that lose the position, with their configuration."""
+    config = found.reach.config.model_dump_json(indent=2)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f"{found.line.name}.toml").write_text(text, encoding="utf-8")
+        (folder / "balise.json").write_text(config, encoding="utf-8")
+        for one in held:
+            path = folder / f"lost-after-{one.accuracy_mm}.jsonl"
+            write_steps(path, one.steps, machine="balise", first=one.first)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written: {error}") from error
+    err.print(str(folder / f"{found.line.name}.toml"), markup=False)
+
+
+def _unkept(task: Task, tolerance_mm: int) -> str:
+    nearest = nearest_kept(task, tolerance_mm, _SEARCH_SECONDS)
+    start = f"{task.line.name}: no choice of balise groups and reflectors keeps {tolerance_mm / 1000:.3f} m"
+    if nearest is None:
+        return f"{start}, nor any other tolerance up to 500 m."
+    return f"{start}; the nearest tolerance that one keeps is {nearest / 1000:.3f} m."
+
+
+def _tolerance_mm(wanted: str) -> int:
+    found = _TOLERANCE.fullmatch(wanted.replace(" ", ""))
+    if found is None:
+        raise typer.BadParameter(f"--for takes a tolerance, as tolerance=30m or tolerance=30000mm, not {wanted!r}.")
+    number, unit = found.groups()
+    millimetres = round(float(number) * 1000) if unit == "m" else float(number)
+    if millimetres != int(millimetres) or millimetres < 1:
+        raise typer.BadParameter(f"--for takes a tolerance of whole millimetres, at least 1 mm, not {wanted!r}.")
+    return int(millimetres)
+
+
+def _figures(model: type[_Figures], given: Sequence[str]) -> _Figures:
+    """Return the figures with those that were given as NAME=VALUE."""
+    values: dict[str, int] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if name not in model.model_fields or not equals or not re.fullmatch(r"-?\d{1,12}", value):
+            raise typer.BadParameter(f"{text!r}: give NAME=WHOLE NUMBER; there are {', '.join(model.model_fields)}.")
+        values[name] = int(value)
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise typer.BadParameter(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+
+
+def _refuse_unknown(task: Task) -> None:
+    known = {*(one.id for one in task.line.balise_groups), *(one.id for one in task.line.reflectors)}
+    unknown = [one for one in task.keep if one not in known]
+    if unknown:
+        raise InputError(f"{task.line.name} has no balise group or reflector {unknown[0]!r}.")

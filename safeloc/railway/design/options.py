@@ -1,0 +1,89 @@
+"""The options of a design: what stands on the line, and what may be added; each is chosen or not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.railway.design.figures import Costs
+from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.model import Line
+from safeloc.railway.map.walk import Reference, Walk
+
+
+@dataclass(frozen=True)
+class Option:
+    """An element that is kept, left out or added.
+
+    new        it does not stand yet
+    kept_for   why it has to be kept; empty if it may be left out
+    """
+
+    element: Reference
+    cost_eur: int
+    new: bool
+    kept_for: str = ""
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """Edge and position."""
+        return self.element.edge, self.element.position_mm
+
+    @property
+    def kind(self) -> str:
+        """The kind in words."""
+        return "balise group" if isinstance(self.element, BaliseGroup) else "reflector"
+
+
+@dataclass(frozen=True, eq=False)
+class Options:
+    """All options of a design on one line."""
+
+    line: Line
+    every: tuple[Option, ...]
+
+    @cached_property
+    def costs(self) -> list[int]:
+        """The cost of each, EUR."""
+        return [one.cost_eur for one in self.every]
+
+    @cached_property
+    def number(self) -> dict[tuple[str, str], int]:
+        """The number of each, by kind and identity of its element."""
+        return {(one.kind, one.element.id): number for number, one in enumerate(self.every)}
+
+    def number_of(self, element: Reference) -> int:
+        """Return the number of an element."""
+        return self.number["balise group" if isinstance(element, BaliseGroup) else "reflector", element.id]
+
+    @cached_property
+    def walk(self) -> Walk:
+        """The line with all options on it at once, to see what lies ahead of what."""
+        return Walk(self.with_only(range(len(self.every))))
+
+    def with_only(self, chosen: Iterable[int]) -> Line:
+        """Return the line with these options alone. What a balise tells of a reflector that is left out, it no longer tells."""
+        elements = [self.every[number].element for number in sorted(chosen)]
+        reflectors = tuple(one for one in elements if isinstance(one, Reflector))
+        groups = tuple(one for one in elements if isinstance(one, BaliseGroup))
+        named = {one.id for one in reflectors}
+        told = tuple(_telling_only_of(one, named) for one in groups)
+        return self.line.model_copy(update={"checksum": None, "balise_groups": told, "reflectors": reflectors})
+
+
+def _telling_only_of(group: BaliseGroup, reflectors: set[str]) -> BaliseGroup:
+    left = tuple(one for one in group.telegram_reflectors if one.reflector in reflectors)
+    return group if left == group.telegram_reflectors else group.model_copy(update={"telegram_reflectors": left})
+
+
+def standing(line: Line, costs: Costs, keep: Sequence[str]) -> Iterator[Option]:
+    """Yield an option for each balise group and reflector of the line. Kept are those of `keep`, and those that others refer to."""
+    stops = {one.reflector: one.id for one in line.stop_points}
+    originals = {one.duplicate_of: one.id for one in line.balise_groups if one.duplicate_of is not None}
+    for group in line.balise_groups:
+        why = f"group {originals[group.id]} is its duplicate" if group.id in originals else ""
+        yield Option(group, costs.of(group, new=False), False, "as asked" if group.id in keep else why)
+    for reflector in line.reflectors:
+        why = f"stop point {stops[reflector.id]}" if reflector.id in stops else ""
+        yield Option(reflector, costs.of(reflector, new=False), False, "as asked" if reflector.id in keep else why)

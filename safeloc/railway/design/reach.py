@@ -1,0 +1,99 @@
+"""The greatest distances of two references on the map: by the audit's rule, and by what the balise machine is proved to hold.
+
+The run between two readings may be longer than the distance on the map: each group may lie its location accuracy off, and is read
+within the detection accuracy. The machine has to hold its position over that run, so both come off its bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.models.balise.variables import BaliseConfig
+from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.line_runs.configs import LineVehicle, fitting
+from safeloc.railway.audit.rules import UNBOUNDED
+from safeloc.railway.audit.stretches import fix_error_mm, longest
+from safeloc.railway.design.held_stretch import HeldStretch, held_stretch
+from safeloc.railway.map.elements import BaliseGroup
+from safeloc.railway.map.walk import Reference
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The greatest distance on the map from where one reference is read last to where the next one is read first, and what limits it."""
+
+    distance_mm: int
+    why: str
+
+
+_Alike = tuple[str, int | None]
+
+
+def kind_of_reach(element: Reference | None) -> _Alike:
+    """Return what the limits depend on: the kind of the element, and a group's own location accuracy."""
+    if isinstance(element, BaliseGroup):
+        return "group", element.location_accuracy_mm
+    return "edge" if element is None else "reflector", None
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """The limits for one vehicle's figures. Origin and goal may be None: the edge of the map."""
+
+    layout: LayoutConfig
+
+    @cached_property
+    def config(self) -> BaliseConfig:
+        """The configuration of the balise machine for the vehicle. InputError if its figures do not suit the machine."""
+        found = fitting(LineVehicle(layout=self.layout, trust_first=True), "balise")
+        assert isinstance(found, BaliseConfig)
+        return found
+
+    @cached_property
+    def _held(self) -> dict[int, HeldStretch | None]:
+        return {}
+
+    def held(self, accuracy_mm: int) -> HeldStretch | None:
+        """Return the machine's bound after a group of that accuracy; None if no run is too long."""
+        if accuracy_mm not in self._held:
+            self._held[accuracy_mm] = held_stretch(self.config, accuracy_mm)
+        return self._held[accuracy_mm]
+
+    def accuracy_mm(self, group: BaliseGroup) -> int:
+        """Return the location accuracy of a group: its own, or the national value."""
+        own = group.location_accuracy_mm
+        return self.layout.balise_accuracy_mm if own is None else own
+
+    def _spread_mm(self, element: Reference | None) -> int:
+        """The distance from its place on the map within which a group is read."""
+        return self.layout.balise_fix_mm(element.location_accuracy_mm) if isinstance(element, BaliseGroup) else 0
+
+    def limit(self, origin: Reference | None, goal: Reference | None) -> Limit:
+        """Return how far a goal may be from an origin."""
+        key = kind_of_reach(origin), kind_of_reach(goal)
+        if key not in self._limits:
+            self._limits[key] = self._limit(origin, goal)
+        return self._limits[key]
+
+    @cached_property
+    def _limits(self) -> dict[tuple[_Alike, _Alike], Limit]:
+        return {}
+
+    def _limit(self, origin: Reference | None, goal: Reference | None) -> Limit:
+        fix = 0 if origin is None else fix_error_mm(origin, self.layout)
+        audited = longest(fix, self.layout)
+        law = f"{_metres(self.layout.odometry_constant_mm)} + {self.layout.odometry_rate_ppm / 10_000:g} %"
+        if not isinstance(origin, BaliseGroup):
+            return Limit(audited, f"odometry {law} after an error of {_metres(fix)}, by the rule of the audit")
+        held = self.held(self.accuracy_mm(origin))
+        off = self._spread_mm(origin) + self._spread_mm(goal)
+        mine = UNBOUNDED if held is None else held.run_mm - off
+        if mine >= audited:
+            return Limit(audited, f"odometry {law} after an error of {_metres(fix)}, by the rule of the audit")
+        why = f"odometry {law} after an error of {_metres(fix)}: the machine holds {_metres(held.run_mm if held else 0)} of true run"
+        return Limit(mine, f"{why}, less {_metres(off)} by which the readings may be farther apart")
+
+
+def _metres(value_mm: int) -> str:
+    return f"{value_mm / 1000:.3f} m"
