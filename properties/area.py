@@ -274,7 +274,8 @@ def _anywhere(area: Area) -> Iterator[Property]:
 
 def _room(area: Area) -> tuple[Num, Num]:
     """Return the bounds that trains in the area leave to vehicles that nobody counted: those before the cycle, or those of a train between."""
-    low, high = before(area.own.loose_low), before(area.own.loose_high)
+    low: Num = before(area.own.loose_low)
+    high: Num = before(area.own.loose_high)
     for one in area.own.slots:
         low = ite(one.present & one.below, maximum(low, one.low), low)
         high = ite(one.present & one.above, minimum(high, one.high), high)
