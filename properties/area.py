@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, as_num, before, ite, minimum, was, with_unit
+from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, as_num, before, ite, maximum, minimum, was, with_unit
 from safeloc.language.spec import Property, always
 from safeloc.language.units import COUNT, MM, UM
 from safeloc.models.area import Area, AreaConfig, um
@@ -39,7 +39,9 @@ def properties(area: Area) -> list[Property]:
     for one in area.own.slots:
         found += [*_verdict(area, one), *_wide(area, one), *_comes(area, one), *_nothing_left(one), *_waits(area, one)]
     if area.own.followers is None:
-        found += [*_events(area), *_loose(area), *_pushed_out(area)]
+        found += [*_events(area), *_loose(area), *_pushed_out(area), *_anywhere(area)]
+        if not area.own.inner:
+            found += [*_only_pushed(area)]
         found += [prop for one in area.own.slots for prop in _sides(area, one)]
     return found
 
@@ -255,6 +257,50 @@ def _pushed_out(area: Area) -> Iterator[Property]:
         "a train that runs through sweeps the area",
         (counted & any_of(pushed)).implies(swept),
         statement="when a train that had all uncounted vehicles ahead of it is counted out at the far end, the area is swept",
+    )
+
+
+def _anywhere(area: Area) -> Iterator[Property]:
+    own, unswept = area.own, area.machine.mode.eq(area.machine.modes[0])
+    apart = any_of(side for one in own.slots for side in (one.below_loose, one.above_loose))
+    everywhere = own.loose_low.eq(-own.config.limit_mm) & own.loose_high.eq(own.config.limit_mm)
+    yield for_all_inputs(
+        "what came in uncounted may be anywhere",
+        _uncounted(area).implies(unswept & everywhere & ~apart),
+        statement="after a disturbance of the counters, or if a train comes in while another one has its slot, the area is not swept: "
+        "vehicles that nobody counted may be anywhere, on either side of every train",
+    )
+
+
+def _room(area: Area) -> tuple[Num, Num]:
+    """Return the bounds that trains in the area leave to vehicles that nobody counted: those before the cycle, or those of a train between."""
+    low: Num = before(area.own.loose_low)
+    high: Num = before(area.own.loose_high)
+    for one in area.own.slots:
+        low = ite(one.present & one.below_loose, maximum(low, one.low), low)
+        high = ite(one.present & one.above_loose, minimum(high, one.high), high)
+    return low, high
+
+
+def _only_pushed(area: Area) -> Iterator[Property]:
+    """Claim what alone moves vehicles that nobody counted, where no detection inside the area shows where nobody is."""
+    own, (low, high), (unswept, swept) = area.own, _room(area), area.machine.modes
+    mode, followed = area.machine.mode, before(area.machine.mode).eq(unswept) & ~_uncounted(area)
+    yield for_all_inputs(
+        "only a train in the area moves vehicles that nobody counted",
+        (followed & mode.eq(unswept)).implies((own.loose_low <= low) & (own.loose_high >= high)),
+        statement="the bounds for vehicles that nobody counted come no nearer to each other than trains that have them on one side allow",
+    )
+    pushed = list[Bool]()
+    for one in own.slots:
+        at_low, at_high = _left(area, one)
+        pushed += [was(one.below_loose) & at_high, was(one.above_loose) & at_low]
+    no_room = (low > high) | (low > own.high_end) | (high < own.low_end)
+    yield for_all_inputs(
+        "an area is swept only by what sweeps it",
+        (followed & mode.eq(swept)).implies(any_of([_cleared(area), no_room, *pushed])),
+        statement="the area becomes swept only if it is reported clear, if a train that had all uncounted vehicles ahead of it is counted out "
+        "at the far end, or if the trains in it leave such vehicles no room",
     )
 
 
