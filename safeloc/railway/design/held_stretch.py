@@ -66,7 +66,7 @@ def watched(config: BaliseConfig) -> Watched:
     wander = number("wander_at_group_nm", NM, -half, half)
     since, accepted = own.read.since, model.judgement.accepted
     measured, admitted = own.odometer.measured.value, own.odometer.admitted
-    farther = run + seen.true_step
+    farther = run + seen.true_cycle_distance
     moves: dict[Var, Expr] = {
         run: ite(accepted, seen.true_since, ite(between(run.low, farther, run.high), farther, run)),
         wander: ite(accepted, seen.reading_wander, wander),
@@ -161,14 +161,22 @@ def _steps(config: BaliseConfig, accuracy_mm: int, measured_mm: int) -> list[dic
     """Return a run that measures so much, always as much too long as the law allows, after a group at the place 0."""
     law, half = config.odometer, config.odometer.wander_nm
     spot = {"read_place_nm": -accuracy_mm * NM_PER_MM, "true_since_nm": 0}
-    still = {"odometer_mm": 0, "true_step_nm": 0, "odometer_next_wander_nm": half, "reading_wander_nm": half, **spot}
+    still = {
+        "odometer_mm": 0,
+        "true_cycle_distance_nm": 0,
+        "odometer_next_wander_nm": half,
+        "reading_wander_nm": half,
+        **spot,
+    }
     steps: list[dict[str, int | str]] = [{**still, "national_accuracy_mm": accuracy_mm}, {**still, **_TELEGRAM}]
     run, wander = 0, half
     for run_step in _speeding_up(config, measured_mm):
         run += run_step
         after = half - 2 * half * run // measured_mm
         true = run_step * (PPM_PER_ONE - law.rate_ppm) + after - wander
-        steps.append({**still, "odometer_mm": run_step, "true_step_nm": true, "odometer_next_wander_nm": after})
+        steps.append(
+            {**still, "odometer_mm": run_step, "true_cycle_distance_nm": true, "odometer_next_wander_nm": after}
+        )
         wander = after
     return steps
 
@@ -183,7 +191,10 @@ _TELEGRAM: dict[str, int | str] = {
 
 def _speeding_up(config: BaliseConfig, total_mm: int) -> list[int]:
     """Return distances of cycles with that sum; none changes by more than the machine takes for possible."""
-    change, most = max(1, config.limits.max_step_change_mm // 2), max(1, config.limits.max_step_mm * 9 // 10)
+    change, most = (
+        max(1, config.limits.max_cycle_distance_change_mm // 2),
+        max(1, config.limits.max_cycle_distance_mm * 9 // 10),
+    )
     steps, left, next_mm = list[int](), total_mm, 0
     while (next_mm := min(next_mm + change, most)) <= left:
         steps.append(next_mm)
