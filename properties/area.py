@@ -156,7 +156,7 @@ def _nothing_left(one: Slot) -> Iterator[Property]:
     numbers = (one.low, one.high, one.silent, one.unconfirmed)
     yield for_all_inputs(
         f"nothing is left of train {one.number} when it is gone",
-        one.present | (all_of(number.eq(0) for number in numbers) & ~one.below & ~one.above),
+        one.present | (all_of(number.eq(0) for number in numbers) & ~one.below_loose & ~one.above_loose),
         statement="a slot without a train holds neither an interval nor waiting times",
     )
 
@@ -252,7 +252,7 @@ def _pushed_out(area: Area) -> Iterator[Property]:
     pushed = list[Bool]()
     for one in area.own.slots:
         at_low, at_high = _left(area, one)
-        pushed += [was(one.below) & at_high, was(one.above) & at_low]
+        pushed += [was(one.below_loose) & at_high, was(one.above_loose) & at_low]
     yield for_all_inputs(
         "a train that runs through sweeps the area",
         (counted & any_of(pushed)).implies(swept),
@@ -262,7 +262,7 @@ def _pushed_out(area: Area) -> Iterator[Property]:
 
 def _anywhere(area: Area) -> Iterator[Property]:
     own, unswept = area.own, area.machine.mode.eq(area.machine.modes[0])
-    apart = any_of(side for one in own.slots for side in (one.below, one.above))
+    apart = any_of(side for one in own.slots for side in (one.below_loose, one.above_loose))
     everywhere = own.loose_low.eq(-own.config.limit_mm) & own.loose_high.eq(own.config.limit_mm)
     yield for_all_inputs(
         "what came in uncounted may be anywhere",
@@ -277,8 +277,8 @@ def _room(area: Area) -> tuple[Num, Num]:
     low: Num = before(area.own.loose_low)
     high: Num = before(area.own.loose_high)
     for one in area.own.slots:
-        low = ite(one.present & one.below, maximum(low, one.low), low)
-        high = ite(one.present & one.above, minimum(high, one.high), high)
+        low = ite(one.present & one.below_loose, maximum(low, one.low), low)
+        high = ite(one.present & one.above_loose, minimum(high, one.high), high)
     return low, high
 
 
@@ -294,7 +294,7 @@ def _only_pushed(area: Area) -> Iterator[Property]:
     pushed = list[Bool]()
     for one in own.slots:
         at_low, at_high = _left(area, one)
-        pushed += [was(one.below) & at_high, was(one.above) & at_low]
+        pushed += [was(one.below_loose) & at_high, was(one.above_loose) & at_low]
     no_room = (low > high) | (low > own.high_end) | (high < own.low_end)
     yield for_all_inputs(
         "an area is swept only by what sweeps it",
@@ -309,7 +309,10 @@ def _sides(area: Area, one: Slot) -> Iterator[Property]:
     known = one.present & ~_uncounted(area)
     yield for_all_inputs(
         f"it is known on which side of train {one.number} uncounted vehicles are",
-        known.implies(one.below.iff(low | (was(one.below) & ~anew)) & one.above.iff(high | (was(one.above) & ~anew))),
+        known.implies(
+            one.below_loose.iff(low | (was(one.below_loose) & ~anew))
+            & one.above_loose.iff(high | (was(one.above_loose) & ~anew))
+        ),
         statement="uncounted vehicles are above a train that came in at the low end, and below one that came in at the high end, until a "
         "counter is disturbed",
     )
