@@ -36,7 +36,7 @@ def drive(first: int, cycles: int) -> Iterator[list[Record]]:
     for cycle in range(first, first + cycles):
         time_ms = cycle * PERIOD_MS
         said: list[Record] = [
-            DistanceRecord(time_ms=time_ms, end=end, unit=unit, step_mm=STEP_MM)
+            DistanceRecord(time_ms=time_ms, end=end, unit=unit, distance_mm=STEP_MM)
             for end in ENDS
             for unit in ("wheel", "radar")
         ]

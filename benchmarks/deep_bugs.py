@@ -45,10 +45,10 @@ def _odometer(
 ) -> tuple[Machine, Bool, Bool]:
     """Margin against truth. `grow` replaces the growth, `slip` loosens the guard, `late` judges the old margin."""
     tracking, lost = modes("TRACKING", "LOST")
-    step = number("step_mm", MM, -STEP_MM, STEP_MM)
+    step = number("distance_mm", MM, -STEP_MM, STEP_MM)
     position, run = number("position_mm", MM, -(10**9), 10**9), number("run", COUNT, 0, 10_000)
     margin, reverse = number("margin_nm", NM, 0, 10**13), boolean("reverse")
-    truth, moved = number("truth_nm", NM, -(10**15), 10**15), number("true_step_nm", NM, -(10**10), 10**10)
+    truth, moved = number("truth_nm", NM, -(10**15), 10**15), number("true_cycle_distance_nm", NM, -(10**10), 10**10)
     honest = abs_(step) * Lit(RATE_PPM, PPM)
     growth = honest if grow is None else grow(honest, step, run, margin)
     grown = margin + growth  # type: ignore[operator]

@@ -40,7 +40,7 @@ def odometry_lines(vehicle: str, period_ms: int) -> Iterator[bytes]:
 
 def _records(cycle: int, time_ms: int) -> Iterator[str]:
     for end, unit in UNITS:
-        yield f'"kind": "distance", "time_ms": {time_ms}, "end": "{end}", "unit": "{unit}", "step_mm": {STEP_MM}}}'
+        yield f'"kind": "distance", "time_ms": {time_ms}, "end": "{end}", "unit": "{unit}", "distance_mm": {STEP_MM}}}'
     if cycle % MARKER_EVERY == 1:
         place = f'"position_mm": {cycle * STEP_MM}, "accuracy_mm": 500, "since_mm": 0'
         number = 1 + cycle // MARKER_EVERY

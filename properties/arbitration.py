@@ -319,7 +319,7 @@ def _advance(model: Arbitration) -> Num:
 
 def _estimated_change(model: Arbitration) -> Num:
     """The change of the estimated position, as far as a vehicle can run in a cycle, mm."""
-    own, most = model.own, model.own.config.max_step_mm
+    own, most = model.own, model.own.config.max_cycle_distance_mm
     change = own.position - before(own.position)
     return ite(change > most, most, ite(change < -most, -most, change))
 

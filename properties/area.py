@@ -154,7 +154,7 @@ def _nothing_left(one: Slot) -> Iterator[Property]:
     numbers = (one.low, one.high, one.silent, one.unconfirmed)
     yield for_all_inputs(
         f"nothing is left of train {one.number} when it is gone",
-        one.present | (all_of(number.eq(0) for number in numbers) & ~one.below & ~one.above),
+        one.present | (all_of(number.eq(0) for number in numbers) & ~one.below_loose & ~one.above_loose),
         statement="a slot without a train holds neither an interval nor waiting times",
     )
 
@@ -250,7 +250,7 @@ def _pushed_out(area: Area) -> Iterator[Property]:
     pushed = list[Bool]()
     for one in area.own.slots:
         at_low, at_high = _left(area, one)
-        pushed += [was(one.below) & at_high, was(one.above) & at_low]
+        pushed += [was(one.below_loose) & at_high, was(one.above_loose) & at_low]
     yield for_all_inputs(
         "a train that runs through sweeps the area",
         (counted & any_of(pushed)).implies(swept),
@@ -263,7 +263,10 @@ def _sides(area: Area, one: Slot) -> Iterator[Property]:
     known = one.present & ~_uncounted(area)
     yield for_all_inputs(
         f"it is known on which side of train {one.number} uncounted vehicles are",
-        known.implies(one.below.iff(low | (was(one.below) & ~anew)) & one.above.iff(high | (was(one.above) & ~anew))),
+        known.implies(
+            one.below_loose.iff(low | (was(one.below_loose) & ~anew))
+            & one.above_loose.iff(high | (was(one.above_loose) & ~anew))
+        ),
         statement="uncounted vehicles are above a train that came in at the low end, and below one that came in at the high end, until a "
         "counter is disturbed",
     )

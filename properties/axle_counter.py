@@ -71,7 +71,7 @@ def _truth(model: AxleCounter) -> Iterator[Property]:
     )
     yield _lawful(
         "direction is true",
-        sound.implies(direction.eq(ite(own.last_up, UP, DOWN))),
+        sound.implies(direction.eq(ite(own.last_axle_upwards, UP, DOWN))),
         "a sound record reports the direction in which the train passed",
     )
     yield _lawful(
@@ -138,20 +138,23 @@ def _narrow_speeds(model: AxleCounter) -> Iterator[Property]:
     yield _held(
         "the speed widens by traction and brakes alone",
         _goes_on(model).implies(
-            (before(own.low_speed) - own.low_speed <= change) & (own.high_speed - before(own.high_speed) <= change)
+            (before(own.speed_low) - own.speed_low <= change) & (own.speed_high - before(own.speed_high) <= change)
         ),
         "in one cycle the bounds of the speed move apart by no more than a train can change its speed, either way",
     )
     yield _held(
         "the speed is as exact as measured",
-        measured.implies((own.slow.value - own.low_speed <= change) & (own.high_speed - own.fast.value <= change)),
+        measured.implies(
+            (own.axle_speed_low.value - own.speed_low <= change)
+            & (own.speed_high - own.axle_speed_high.value <= change)
+        ),
         "after an axle the bounds of the speed are those of the axle, apart by no more than a train can change its speed since",
     )
 
 
 def _narrow_runs(model: AxleCounter) -> Iterator[Property]:
     own, period, change = model.own, Lit(model.own.config.period_ms, MS), _change_mm_s(model.own)
-    least, most = ((before(own.low_speed) - change) * period, (before(own.high_speed) + change) * period)
+    least, most = ((before(own.speed_low) - change) * period, (before(own.speed_high) + change) * period)
     yield _held(
         "the run widens by the speed alone",
         _goes_on(model).implies(
@@ -181,8 +184,8 @@ def _narrow_from_the_first(model: AxleCounter) -> Iterator[Property]:
     yield _held(
         "the run begins in the cycle of the first axle",
         _begins(model).implies(
-            all_of((low >= 0) | (low >= own.low_speed * period) for low in lows)
-            & all_of((high <= 0) | (high <= own.high_speed * period) for high in highs)
+            all_of((low >= 0) | (low >= own.speed_low * period) for low in lows)
+            & all_of((high <= 0) | (high <= own.speed_high * period) for high in highs)
         ),
         "after the first axle run and length are no wider than a whole cycle at the bounds of the speed",
     )
@@ -192,7 +195,7 @@ def _narrow_from_the_first(model: AxleCounter) -> Iterator[Property]:
 
 
 def _other_way(own: Parts) -> Bool:
-    return own.axle.ne(NO_AXLE) & own.axle.ne(before(own.came))
+    return own.axle.ne(NO_AXLE) & own.axle.ne(before(own.direction))
 
 
 def _late(own: Parts) -> Bool:
@@ -309,12 +312,16 @@ def _no_passage(model: AxleCounter) -> Iterator[Property]:
 
 def _causes(own: Parts) -> dict[Lit, Bool]:
     counted, config = own.axle.ne(NO_AXLE), own.config
-    unknown = ~own.slow.present | ~own.fast.present | (own.slow.value > own.fast.value)
+    unknown = (
+        ~own.axle_speed_low.present
+        | ~own.axle_speed_high.present
+        | (own.axle_speed_low.value > own.axle_speed_high.value)
+    )
     return {
         p.HEAD_FAULT: own.fault,
         p.NO_SPEED: counted & unknown,
         p.TURNED: _other_way(own),
-        p.TOO_MANY: before(own.count) + own.number > config.axle_limit,
+        p.TOO_MANY: before(own.axles_counted) + own.axles_in_cycle > config.axle_limit,
         p.TOO_LONG: (before(own.length_high) > Lit(config.length_limit_mm * 1_000, UM)) | _far_off(own),
         p.SPEED_CONTRADICTED: counted & ~unknown,
         p.MAYBE_ANOTHER_TRAIN: counted & _late(own),
@@ -339,7 +346,7 @@ def _records(model: AxleCounter) -> Iterator[Property]:
     numbers = [machine.output(f"record_{name}") for name in ("axles", *bounds)]
     yield _held(
         "a record needs a passage",
-        sound.implies(before_.eq(passing) & (own.count > 0)),
+        sound.implies(before_.eq(passing) & (own.axles_counted > 0)),
         "a sound record is made only at the end of an undisturbed passage",
     )
     yield _held(
@@ -370,5 +377,5 @@ def _recorded(model: AxleCounter) -> Iterator[Property]:
         "the record comes in the cycle in which the train has certainly run farther than two axles are apart",
     )
     yield reachable(
-        "record", sound & (own.count > 1), statement="a train gives a sound record", requirements=REQUIREMENTS
+        "record", sound & (own.axles_counted > 1), statement="a train gives a sound record", requirements=REQUIREMENTS
     )

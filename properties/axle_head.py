@@ -38,7 +38,7 @@ def _hears_the_wheel(own: Parts) -> Bool:
     """Return the condition that the channels are damped by the wheel that is there, and by nothing else."""
     begins, ends = own.config.spacing_mm * 1_000, (own.config.spacing_mm + own.config.overlap_mm) * 1_000
     on = _on(own, own.wheel)
-    return own.a.iff(on & (own.wheel < ends)) & own.b.iff(on & (own.wheel >= begins))
+    return own.channel_a_damped.iff(on & (own.wheel < ends)) & own.channel_b_damped.iff(on & (own.wheel >= begins))
 
 
 def _wheels(model: AxleHead) -> Iterator[Property]:
@@ -67,11 +67,11 @@ def _wheels(model: AxleHead) -> Iterator[Property]:
 def _sequences(model: AxleHead) -> Iterator[Property]:
     """Claim the sequences of the channels that count an axle."""
     own = model.own
-    some = own.a | own.b
+    some = own.channel_a_damped | own.channel_b_damped
     both, from_a, from_b = (
-        previous(since(some, own.a & own.b)),
-        previous(since(some, own.a & ~own.b & ~previous(some))),
-        previous(since(some, own.b & ~own.a & ~previous(some))),
+        previous(since(some, own.channel_a_damped & own.channel_b_damped)),
+        previous(since(some, own.channel_a_damped & ~own.channel_b_damped & ~previous(some))),
+        previous(since(some, own.channel_b_damped & ~own.channel_a_damped & ~previous(some))),
     )
     yield _held(
         "no axle without overlap",
@@ -80,8 +80,8 @@ def _sequences(model: AxleHead) -> Iterator[Property]:
     )
     yield _held(
         "an axle comes in at one channel and goes out at the other",
-        own.axle.eq(UP).implies(from_a & previous(own.b & ~own.a))
-        & own.axle.eq(DOWN).implies(from_b & previous(own.a & ~own.b)),
+        own.axle.eq(UP).implies(from_a & previous(own.channel_b_damped & ~own.channel_a_damped))
+        & own.axle.eq(DOWN).implies(from_b & previous(own.channel_a_damped & ~own.channel_b_damped)),
         "an axle upwards damped A alone first and B alone last; an axle downwards the other way round",
     )
 
@@ -91,10 +91,12 @@ def _disturbs(model: AxleHead) -> Iterator[Property]:
     machine, own = model.machine, model.own
     free, *_, disturbed = machine.modes
     mode, is_disturbed = machine.mode, machine.flag("disturbed")
-    leap = previous(own.a).iff(~own.a) & previous(own.b).iff(~own.b)
+    leap = previous(own.channel_a_damped).iff(~own.channel_a_damped) & previous(own.channel_b_damped).iff(
+        ~own.channel_b_damped
+    )
     yield _held(
         "unknown direction disturbs",
-        (before(mode).eq(free) & own.a & own.b).implies(mode.eq(disturbed)),
+        (before(mode).eq(free) & own.channel_a_damped & own.channel_b_damped).implies(mode.eq(disturbed)),
         "both channels at once show no direction: the head is disturbed in that sample",
     )
     was_disturbed = before(mode).eq(disturbed)
@@ -105,7 +107,7 @@ def _disturbs(model: AxleHead) -> Iterator[Property]:
     )
     yield _held(
         "nothing else disturbs",
-        is_disturbed.implies(leap | (was_disturbed & (own.a | own.b))),
+        is_disturbed.implies(leap | (was_disturbed & (own.channel_a_damped | own.channel_b_damped))),
         "the head is disturbed only by such a step, and only until both channels are free",
     )
 
@@ -121,7 +123,7 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
         (was_disturbed | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),
         "while disturbed, and in the sample in which that ends, no axle is counted",
     )
-    some_wheel = own.a | own.b | is_disturbed
+    some_wheel = own.channel_a_damped | own.channel_b_damped | is_disturbed
     yield _held(
         "damped unless free and sound",
         machine.flag("damped").iff(some_wheel),

@@ -66,7 +66,7 @@ def _passed(own: Parts) -> Bool:
 
 def _came_in(own: Parts) -> Num:
     """Return the count before the cycle plus the axles that came in at both ends."""
-    return before(own.count) + own.into[0] + own.into[1]
+    return before(own.counted_axles) + own.into[0] + own.into[1]
 
 
 def _went_out(own: Parts) -> Num:
@@ -113,7 +113,7 @@ def _truth(model: AxleSection) -> Iterator[Property]:
     yield _lawful(
         "cleared only by a sweep that met nothing",
         (is_clear & ~before_.one_of(clear, occupied)).implies(
-            before(own.sweep).eq(RAN_THROUGH) & before(own.stood).eq(0)
+            before(own.sweep).eq(RAN_THROUGH) & before(own.true_axles_before_sweep).eq(0)
         ),
         "after unknown, disturbed or reset, a section becomes clear only if a sweep really ran from one end to the "
         "other, and no axle stood in the section when it came in",
@@ -133,7 +133,7 @@ def _resets(model: AxleSection) -> Iterator[Property]:
     accepted = own.answer.eq(ACCEPTED)
     yield _held(
         "a reset never frees",
-        own.reset.implies(~is_clear | before_.eq(clear) | ~accepted),
+        own.reset_requested.implies(~is_clear | before_.eq(clear) | ~accepted),
         "in a cycle with an accepted reset an occupied section does not become clear",
     )
     yield _held(
@@ -159,7 +159,7 @@ def _refused(model: AxleSection) -> Iterator[Property]:
     accepted = own.answer.eq(ACCEPTED)
     yield _held(
         "refused while occupied",
-        (accepted & ~before_.one_of(unknown, clear, disturbed)).implies(before(own.count).eq(0)),
+        (accepted & ~before_.one_of(unknown, clear, disturbed)).implies(before(own.counted_axles).eq(0)),
         "a reset is refused while axles are counted in",
     )
     yield _held(
@@ -189,7 +189,7 @@ def _answers(model: AxleSection) -> Iterator[Property]:
     """Claim that each answer comes exactly in its case."""
     machine, own = model.machine, model.own
     unknown, clear, _, disturbed, _ = machine.modes
-    counted = ~before(machine.mode).one_of(unknown, clear, disturbed) & before(own.count).ne(0)
+    counted = ~before(machine.mode).one_of(unknown, clear, disturbed) & before(own.counted_axles).ne(0)
     early = _passed(own) | (before(own.quiet) < own.config.lead_cycles)
     cases = {
         HEAD_FAULT: own.fault,
@@ -198,10 +198,10 @@ def _answers(model: AxleSection) -> Iterator[Property]:
         AXLE_PASSED: ~own.fault & ~own.damped & ~counted & early,
         ACCEPTED: ~own.fault & ~own.damped & ~counted & ~early,
     }
-    right = [own.answer.eq(answer).iff(own.reset & case) for answer, case in cases.items()]
+    right = [own.answer.eq(answer).iff(own.reset_requested & case) for answer, case in cases.items()]
     yield _held(
         "a request for reset is answered",
-        _always_in_a_step(model, all_of([*right, own.answer.eq(NOT_ASKED).iff(~own.reset)])),
+        _always_in_a_step(model, all_of([*right, own.answer.eq(NOT_ASKED).iff(~own.reset_requested)])),
         "a request is answered with the first reason against it, and accepted if there is none",
     )
 
@@ -286,7 +286,7 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
     kept = all_of(latch.iff(was(latch) | axles.ne(0)) for latch, axles in _ways(own))
     yield _held(
         "axles of a sweep stay counted at each end",
-        goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.count)),
+        goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.counted_axles)),
         "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten "
         "on the way",
     )
@@ -297,7 +297,7 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
     )
     yield _held(
         "a sweep begins with the reset",
-        (mode.eq(sweeping) & accepted).implies(own.count.eq(0) & ~any_of(latch for latch, _ in _ways(own))),
+        (mode.eq(sweeping) & accepted).implies(own.counted_axles.eq(0) & ~any_of(latch for latch, _ in _ways(own))),
         "axles before the reset are no part of the sweep",
     )
 

@@ -75,7 +75,7 @@ def _counted(whole: CountedEntry) -> Iterator[Property]:
     )
     low, high = (verified.num(machine.output(f"handover_length_{end}_mm")) for end in ("low", "high"))
     along = of_counter.num(counter.own.length)
-    length = ite(of_counter.bool(counter.own.last_up), along, -along)
+    length = ite(of_counter.bool(counter.own.last_axle_upwards), along, -along)
     yield under_assumption(
         "the length that passed is compared",
         (_recorded(whole) & _trusted(whole) & (length >= 0)).implies(
@@ -117,7 +117,7 @@ def _heard(whole: CountedEntry) -> Iterator[Property]:
         statement="the verification gets a sound record in exactly the cycles in which the counter has an undisturbed one, and in that cycle",
     )
     place, speed = (into.bool(machine.flag(f"verified_{one}_at_entry")) for one in ("place", "speed"))
-    told = into.bool(own.associated & own.seen_speed.present)
+    told = into.bool(own.associated & own.fibre_speed.present)
     yield for_all_inputs(
         "at the counter place and speed are compared",
         (recorded & _trusted(whole)).implies(place & told.implies(speed)),
@@ -143,7 +143,7 @@ def _narrow(whole: CountedEntry) -> Iterator[Bool]:
     def width(name: str, unit: str) -> Num:
         return recorded(f"{name}_high_{unit}") - recorded(f"{name}_low_{unit}")
 
-    low, high = (exact_to(into.num(bound), UM) for bound in (own.record_low, own.record_high))
+    low, high = (exact_to(into.num(bound), UM) for bound in (own.record_length_low, own.record_length_high))
     yield low > recorded("length_low_um") - 1_000
     yield high < maximum(recorded("length_high_um"), 0) + 1_000
     upwards = recorded("direction").eq(UP)

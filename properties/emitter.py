@@ -47,7 +47,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         "counted from the last pattern",
         requirements=REQUIREMENTS,
         assumption=LAW,
-        helper=lambda waited: works.implies(waited <= own.since),
+        helper=lambda waited: works.implies(waited <= own.since_passed),
     )
     yield within(
         "silence is reported",
@@ -57,7 +57,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         statement="if no pattern comes at all, the chain is not reported as tested beyond its due time and one cycle",
         requirements=REQUIREMENTS,
         unconditional=True,
-        helper=lambda waited: works.implies(waited <= own.since),
+        helper=lambda waited: works.implies(waited <= own.since_passed),
     )
 
 
@@ -71,7 +71,7 @@ def _request(model: Emitter) -> Iterator[Property]:
         statement="an unanswered request ends the tested state within its time and one cycle",
         requirements=REQUIREMENTS,
         unconditional=True,
-        helper=lambda waited: works.implies(waited <= own.asked),
+        helper=lambda waited: works.implies(waited <= own.since_request),
     )
 
 
@@ -159,7 +159,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a foreign pattern is reported",
-        model.machine.flag("foreign_heard").iff(meanings[FOREIGN]),
+        model.machine.flag("foreign_pattern").iff(meanings[FOREIGN]),
         statement="another emitter's pattern is reported in the cycle in which it comes, and in no other",
     )
 

@@ -55,7 +55,7 @@ def _trusted(model: FibreArea) -> Bool:
 
 
 def _reports(model: FibreArea) -> Bool:
-    return model.composition.of(model.report.machine).bool(model.report.machine.flag("told"))
+    return model.composition.of(model.report.machine).bool(model.report.machine.flag("reported"))
 
 
 def _error(model: FibreArea, end: str) -> Bool:
@@ -123,7 +123,7 @@ def _bounded(model: FibreArea) -> Iterator[Property]:
         _wired_in_range(model),
         statement="every value on a wire lies in the range of the input: nothing is clipped",
     )
-    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_step_mm
+    tolerance = model.config.fibre.tolerance_mm + 4 * model.config.fibre.max_cycle_distance_mm
     above, below = (seen.num(verified.machine.output(f"{side}_mm")) for side in ("margin_above", "margin_below"))
     yield for_all_inputs(
         "tolerance",
@@ -203,11 +203,11 @@ def _wrong_ends(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]
 
 def _wrong_train(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
     of, verified, entry = model.composition.of, model.verification.own, model.entry
-    seen, told = of(model.verification.machine), verified.associated & verified.seen_count.present
+    seen, told = of(model.verification.machine), verified.associated & verified.fibre_axles.present
     located = _located(model, model.front) & _located(model, model.rear)
     return {
         "another count": (
-            seen.bool(told & verified.seen_count.value.ne(verified.kept_count)),
+            seen.bool(told & verified.fibre_axles.value.ne(verified.stored_axles)),
             "a count other than the entry record's: a split train, another train, or a miscount",
             COUNTS,
         ),
@@ -230,7 +230,7 @@ def _apart(model: FibreArea) -> Bool:
     """Return the condition that the distance of the ends' bounds fits no length of the record."""
     own, seen = model.verification.own, model.composition.of(model.verification.machine)
     (front_low, front_high), (rear_low, rear_high) = _bounds(model, model.front), _bounds(model, model.rear)
-    low, high = seen.num(own.kept_low), seen.num(own.kept_high)
+    low, high = seen.num(own.stored_length_low), seen.num(own.stored_length_high)
     tolerance = own.config.length_tolerance_mm
     return (front_low - rear_high > high + tolerance) | (front_high - rear_low < low - tolerance)
 
@@ -301,7 +301,7 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
     accepted, integer = of.bool(slot.last_verdict.eq(ACCEPTED)), of.bool(slot.integer)
     age, limit = of.num(slot.age), model.config.sections.area.report_age_limit_ms
     verified, seen = model.verification.own, model.composition.of(model.verification.machine)
-    counted = seen.bool(verified.associated & verified.seen_count.present)
+    counted = seen.bool(verified.associated & verified.fibre_axles.present)
     yield for_all_inputs(
         "only a trusted train narrows",
         accepted.implies(_trusted(model) & _reports(model) & (age <= limit)),
@@ -310,7 +310,7 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "only an axle count confirms integrity",
-        (integer & _reports(model)).implies(counted & seen.bool(verified.seen_count.value.eq(verified.kept_count))),
+        (integer & _reports(model)).implies(counted & seen.bool(verified.fibre_axles.value.eq(verified.stored_axles))),
         statement="a train counts as whole only in a cycle in which as many axles were counted as at its entry",
         requirements=(*COUNTS, *CLEAR),
     )
@@ -362,7 +362,7 @@ def _added_error(model: FibreArea) -> Iterator[Property]:
     own, of = model.report.own, model.composition.of(model.report.machine)
     seen, figures = model.composition.of(model.verification.machine), model.config.parting
     told = _reports(model) & of.bool(model.report.machine.flag("integer"))
-    long, run = seen.num(model.verification.own.kept_high), of.num(own.straight)
+    long, run = seen.num(model.verification.own.stored_length_high), of.num(own.run_one_way)
     low, high = of.num(own.reported_low), of.num(own.reported_high)
     front, rear = of.num(own.front_low), of.num(own.rear_high)
     most = figures.count_run_mm + figures.roll_back_mm
@@ -389,7 +389,7 @@ def _parted(model: FibreArea) -> Iterator[Property]:
     """Claim that a part that the train lost lies in the train's interval."""
     own, of = model.report.own, model.composition.of(model.report.machine)
     slot, area = model.area.own.slots[0], _of_slot(model)
-    parted = area.bool(slot.there) & of.bool(~own.rear_is | ~own.front_is)
+    parted = area.bool(slot.there) & of.bool(~own.rear_is_the_trains | ~own.front_is_the_trains)
     low_um, high_um = (area.num(exact_to(bound, UM)) for bound in (slot.low, slot.high))
     yield under_assumption(
         "lost parts lie in the train's interval",

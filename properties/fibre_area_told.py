@@ -103,7 +103,7 @@ class _Seen:
 
 def _distrusted(seen: _Seen) -> Iterator[Property]:
     model, own, figures = seen.model, seen.model.verification.own, seen.model.config.verification
-    reason = seen.verification.num(own.reason)
+    reason = seen.verification.num(own.why)
     begins = seen.mode(3) & ~earlier_bool(seen.mode(3))
     error = seen.says(model.front, "error") | seen.says(model.rear, "error")
     causes = {
@@ -157,8 +157,11 @@ def _apart(seen: _Seen) -> Bool:
     """The distance between both ends fits no length of the record that is due, or that was stored before."""
     own, tolerance = seen.model.verification.own, seen.model.config.verification.length_tolerance_mm
     due = seen.entry.bool(seen.model.entry.due)
-    new_low, new_high = seen.verification.num(own.record_low), seen.verification.num(own.record_high)
-    low, high = earlier_num(seen.verification.num(own.kept_low)), earlier_num(seen.verification.num(own.kept_high))
+    new_low, new_high = seen.verification.num(own.record_length_low), seen.verification.num(own.record_length_high)
+    low, high = (
+        earlier_num(seen.verification.num(own.stored_length_low)),
+        earlier_num(seen.verification.num(own.stored_length_high)),
+    )
     by_new = (seen.nearest - tolerance > new_high) | (seen.farthest + tolerance < new_low)
     by_old = (seen.nearest - tolerance > high) | (seen.farthest + tolerance < low)
     return (due & by_new) | (~due & by_old) | (seen.nearest > seen.farthest)
@@ -181,7 +184,7 @@ def _compared(seen: _Seen) -> Iterator[Property]:
     model, own = seen.model, seen.model.verification.own
     machine, comes = model.verification.machine, seen.entry.num(model.entry.comes)
     speed, place = (seen.verification.bool(machine.flag(f"verified_{one}_at_entry")) for one in ("speed", "place"))
-    present = seen.verification.bool(own.associated & own.seen_speed.present)
+    present = seen.verification.bool(own.associated & own.fibre_speed.present)
     taken = seen.mode(2) & ~seen.entry.bool(model.entry.left)
     yield for_all_inputs(
         "at the counter speed and place are compared",
@@ -199,12 +202,12 @@ def _compared(seen: _Seen) -> Iterator[Property]:
 
 def _reported(seen: _Seen) -> Iterator[Property]:
     model, own, verified = seen.model, seen.model.report.own, seen.model.verification.own
-    reports = seen.report.bool(model.report.machine.flag("told"))
+    reports = seen.report.bool(model.report.machine.flag("reported"))
     whole = seen.report.bool(model.report.machine.flag("integer"))
     matches = all_of(
         [
-            seen.verification.bool(verified.associated & verified.seen_count.present),
-            seen.verification.num(verified.seen_count.value).eq(seen.verification.num(verified.kept_count)),
+            seen.verification.bool(verified.associated & verified.fibre_axles.present),
+            seen.verification.num(verified.fibre_axles.value).eq(seen.verification.num(verified.stored_axles)),
         ]
     )
     yield for_all_inputs(
@@ -261,7 +264,7 @@ def _inside_the_line(seen: _Seen) -> Bool:
     """Both ends are on the line, even if the train was whole a count's run ago only."""
     model, figures = seen.model, seen.model.config.parting
     limit = model.config.sections.area.limit_mm
-    long = seen.verification.num(model.verification.own.kept_high)
+    long = seen.verification.num(model.verification.own.stored_length_high)
     most = long + figures.count_run_mm + figures.roll_back_mm
     (_, behind), (ahead, _) = _ends(seen, model.rear), _ends(seen, model.front)
     return all_of([_on_the_line(seen), ahead - most >= -limit, behind + most <= limit])
@@ -290,7 +293,7 @@ def _runs(seen: _Seen) -> Property:
         [measured, seen.verification.bool(model.verification.own.associated), ~seen.entry.bool(model.entry.left)]
     )
     least = 2 * (model.config.fibre.floor_mm + 1)
-    straight = seen.report.num(own.straight)
+    straight = seen.report.num(own.run_one_way)
     return for_all_inputs(
         "a measured run counts for the end that leads",
         (mine & (ran >= least)).implies(straight > 0) & (mine & (ran <= -least)).implies(straight < 0),

@@ -77,7 +77,9 @@ def _both(model: FibreHandover) -> Iterator[Property]:
     _, giving, taking, both = voice.machine.modes
     mode = of(voice.machine).num(voice.machine.mode)
     truth = of(model.giving.machine).num(model.giving.own.truth)
-    begins, ends = (of(model.border.machine).num(var) for var in (model.border.own.begins, model.border.own.ends))
+    begins, ends = (
+        of(model.border.machine).num(var) for var in (model.border.own.shared_from, model.border.own.shared_to)
+    )
     yield under_assumption(
         "both only where the place is shared",
         mode.eq(both).implies(between(exact_to(begins, NM), truth, exact_to(ends, NM))),
@@ -142,7 +144,7 @@ def _shared(model: FibreHandover) -> Iterator[Property]:
     _, withheld, trusted, _ = taking.machine.modes
     mode = here.num(taking.machine.mode)
     arrives = of(border).bool(border.fired("record arrives"))
-    kept = [(one.kept_count, one.kept_low, one.kept_high) for one in (taking.own, giving.own)]
+    kept = [(one.stored_axles, one.stored_length_low, one.stored_length_high) for one in (taking.own, giving.own)]
     same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in zip(*kept, strict=True))
     yield for_all_inputs(
         "the same record on both sides",
@@ -176,10 +178,10 @@ def _other_trains(model: FibreHandover) -> Iterator[Property]:
         gone.implies(mode.eq(none) & on_the_way.eq(before)),
         statement="when a train has gone, the machine discards all its data",
     )
-    counted = taking.own.associated & taking.own.seen_count.present
+    counted = taking.own.associated & taking.own.fibre_axles.present
     yield for_all_inputs(
         "another train is not taken over",
-        here.bool(counted & taking.own.seen_count.value.ne(taking.own.kept_count)).implies(~_trusted(model, taking)),
+        here.bool(counted & taking.own.fibre_axles.value.ne(taking.own.stored_axles)).implies(~_trusted(model, taking)),
         statement="a train with another number of axles than the record is not trusted in the taking area",
         requirements=CLAIM,
     )
@@ -190,7 +192,7 @@ def _sent(model: FibreHandover) -> Iterator[Property]:
     of, giving, border = model.composition.of, model.giving, model.border.machine
     on_the_way, (before, *_) = of(border).num(border.mode), border.modes
     gone = of(border).bool(model.border.own.gone)
-    near = of(giving.machine).num(interval(giving)[1]) >= of(border).num(model.border.own.begins)
+    near = of(giving.machine).num(interval(giving)[1]) >= of(border).num(model.border.own.shared_from)
     may_be_here = _trusted(model, giving) & near
     sent = of(border).bool(border.fired("record is sent", "record arrives"))
     yield for_all_inputs(
@@ -213,12 +215,13 @@ def _on_the_way(model: FibreHandover) -> Iterator[Property]:
         statement="a mismatch that the giving area finds while the record is on its way loses the handover in the same cycle",
     )
     arrives = of(border).bool(border.fired("record arrives"))
-    kept = (giving.own.kept_count, giving.own.kept_low, giving.own.kept_high)
-    record = zip((own.record_count, own.record_low, own.record_high), kept, strict=True)
+    kept = (giving.own.stored_axles, giving.own.stored_length_low, giving.own.stored_length_high)
+    record = zip((own.record_axles, own.record_length_low, own.record_length_high), kept, strict=True)
     same = all_of(here.num(mine).eq(there.num(theirs)) for mine, theirs in record)
     yield for_all_inputs(
         "the record that arrives is the giving area's",
-        here.bool(own.due & own.sound).iff(arrives) & arrives.implies(same & here.num(own.source).eq(NEIGHBOUR)),
+        here.bool(own.due & own.sound).iff(arrives)
+        & arrives.implies(same & here.num(own.reference_from).eq(NEIGHBOUR)),
         statement="the taking area gets a sound record in exactly the cycle in which it arrives, with the axles and the length against which the "
         "giving area verified, as one of its neighbour",
     )
@@ -227,7 +230,7 @@ def _on_the_way(model: FibreHandover) -> Iterator[Property]:
 def _reports(model: FibreHandover) -> Iterator[Property]:
     """Claim that each area that may report is heard, with the interval that it has."""
     of, voice, border = model.composition.of, model.speaker, model.border.own
-    begins, ends = (of(model.border.machine).num(one) for one in (border.begins, border.ends))
+    begins, ends = (of(model.border.machine).num(one) for one in (border.shared_from, border.shared_to))
     (low, high), (taking_low, taking_high) = (
         [of(one.machine).num(bound) for bound in interval(one)] for one in (model.giving, model.taking)
     )

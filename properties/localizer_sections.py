@@ -164,7 +164,7 @@ def _arrives(model: LocalizerSections) -> Iterator[Bool]:
 def _reaches_the_area(model: LocalizerSections) -> Iterator[Bool]:
     slot, machine = model.area.own.slots[0], model.trackside.machine
     area, side = model.composition.of(model.area.machine), model.composition.of(machine)
-    told = side.bool(machine.flag("told"))
+    told = side.bool(machine.flag("reported"))
     yield hears_value(area, slot.rear, told, side.num(machine.output("low_mm")))
     yield hears_value(area, slot.front, told, side.num(machine.output("high_mm")))
     yield area.bool(slot.trusted).iff(told)
@@ -179,7 +179,7 @@ def _counted_once(model: LocalizerSections) -> Bool:
     link, side = model.composition.of(uplink), model.composition.of(seen.machine)
     remembers = side.bool(seen.own.known).iff(link.bool(uplink.flag("valid")))
     age = side.num(seen.own.known_age).eq(link.num(uplink.output("age_ms")))
-    return side.bool(seen.machine.flag("told")).implies(link.bool(uplink.fired("report arrives"))) & remembers & age
+    return side.bool(seen.machine.flag("reported")).implies(link.bool(uplink.fired("report arrives"))) & remembers & age
 
 
 def _this_train(model: LocalizerSections, one: Section) -> Iterator[Property]:
@@ -188,7 +188,7 @@ def _this_train(model: LocalizerSections, one: Section) -> Iterator[Property]:
     free = of.bool(one.machine.flag("clear"))
     truth, far = (
         model.localizer.motion.own.ghosts.truth,
-        model.composition.of(model.ends.machine).num(model.ends.own.far),
+        model.composition.of(model.ends.machine).num(model.ends.own.far_end),
     )
     start, end = exact_to(of.num(one.start), NM), exact_to(of.num(one.end), NM)
     inside = (minimum(truth, far) <= end) & (maximum(truth, far) >= start)

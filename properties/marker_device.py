@@ -101,7 +101,7 @@ def _time_passes(whole: MarkerDevice) -> Property:
     own, into, figures = whole.receiver.own, whole.composition.of(whole.receiver.machine), whole.config.guard
     low, high, line = into.num(own.known_low), into.num(own.known_high), own.known_high.high
     ran_nm = figures.max_speed_mm_s * figures.period_ms * 1_000
-    full = into.num(own.fair).eq(figures.confirmations)
+    full = into.num(own.fair_fixes).eq(figures.confirmations)
     ahead = (high >= earlier_num(high) + ran_nm) | high.eq(line)
     return for_all_inputs(
         "time passes for the guard in every cycle",

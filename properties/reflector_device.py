@@ -107,7 +107,7 @@ def _located_by_reflectors(whole: ReflectorDevice) -> Iterator[Property]:
 
 def _rejected(whole: ReflectorDevice) -> Iterator[Property]:
     given = whole.source.own.balise
-    inputs = (given.identity, given.position, given.accuracy, given.since, given.reference, given.search)
+    inputs = (given.identity, given.position, given.accuracy, given.since, given.reference, given.search_from)
     read = any_of(_in_source(whole, one.present) for one in inputs)
     yield for_all_inputs(
         "a rejected telegram is no reading",
@@ -179,11 +179,11 @@ def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
 
 def _distances(whole: ReflectorDevice) -> Iterator[Property]:
     given, ahead = whole.source.own.balise, whole.source.own.ahead
-    raw, kept = whole.groups.own.read, whole.groups.own.memory.place
+    raw, kept = whole.groups.own.read, whole.groups.own.memory.last_group_position
     telegram, place = whole.composition.of(whole.groups.machine), _in_source_num(whole, given.position.value)
     group = telegram.num(kept)
     for name, mine, theirs, least in (
-        ("reflector", given.reference, raw.reflector, 0), ("search", given.search, raw.search, 1),
+        ("reflector", given.reference, raw.reflector, 0), ("search", given.search_from, raw.search, 1),
     ):  # fmt: skip
         told, distance = telegram.bool(theirs.present), telegram.num(theirs.value)
         left = group + distance - place
@@ -208,7 +208,7 @@ def _by_map(whole: ReflectorDevice) -> Iterator[Property]:
         statement="the reflector machine gets the map's next reflector in every cycle in which the map has one, at its place",
         requirements=("RFL-3", "RFL-9"),
     )
-    group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.place)
+    group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.last_group_position)
     left = group + told.num(reference.value) - _in_source_num(whole, given.position.value)
     fits = _accepted(whole) & told.bool(reference.present) & between(0, left, whole.config.reflector.range_limit_mm)
     yield for_all_inputs(
@@ -253,7 +253,7 @@ def _courses(whole: ReflectorDevice) -> Iterator[Property]:
         statement="in a cycle in which the vehicle is seen on another course than map and movement authority give, the host gets no position",
         requirements=("RFL-12",),
     )
-    behind = whole.line.behind
+    behind = whole.line.switch_reflector
     place = _in_source_num(whole, source.output("reflector_position_mm"))
     shown = whole.composition.of(whole.line.machine)
     yield for_all_inputs(
@@ -266,7 +266,7 @@ def _courses(whole: ReflectorDevice) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a switch is taken up only ahead of the interval",
-        into.bool(own.switch.present).implies(into.num(own.switch.value) > into.num(own.high)),
+        into.bool(own.switch_position.present).implies(into.num(own.switch_position.value) > into.num(own.high)),
         statement="a switch is watched only from where the whole interval lies before it",
         requirements=("RFL-12",),
     )
@@ -310,7 +310,7 @@ def _judged_by(whole: ReflectorDevice) -> Property:
 def _stops(whole: ReflectorDevice) -> Iterator[Property]:
     """Proved of the stop-point machine for the interval that the host gets, with the true place of the front end."""
     own, machine = whole.stop.own, whole.stop.machine
-    proceeds = machine.output("order").eq(PROCEED) & own.pending.eq(before(own.pending))
+    proceeds = machine.output("order").eq(PROCEED) & own.pending_number.eq(before(own.pending_number))
     foremost, end = exact_to(own.position + own.above, NM), exact_to(own.stop + own.after, NM)
     for name, front, words in (
         ("brake order in time", own.next_truth, "the true front end"),

@@ -44,10 +44,10 @@ def _kept_out(model: Selection, one: Channel) -> Iterator[Property]:
     )
     yield for_all_inputs(
         f"{name}: no expired data",
-        usable.implies(one.ephemeris & one.identity.present),
+        usable.implies(one.ephemeris_valid & one.satellite.present),
         statement="no satellite without valid ephemeris, or not in view, is usable",
     )
-    known = one.identity.value.eq(before(one.held)) if config.warm_up_cycles > 1 else one.identity.present
+    known = one.satellite.value.eq(before(one.held)) if config.warm_up_cycles > 1 else one.satellite.present
     yield for_all_inputs(
         f"{name}: no covariance, not usable",
         usable.implies(_has_spread(model, one) & known & one.warm.eq(config.warm_up_cycles)),
@@ -79,12 +79,12 @@ def _healthy_stay(model: Selection, one: Channel) -> Iterator[Property]:
 def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
     """Claim the reason why a satellite is not usable, and how long it has been followed."""
     config, name, now = model.own.config, f"channel {one.number}", one.standing
-    here = one.identity.present & ~_reported_before(model, one)
+    here = one.satellite.present & ~_reported_before(model, one)
     measured, ready = _measured(model, one), _has_spread(model, one) & one.warm.eq(config.warm_up_cycles)
     meanings = (
         (ABSENT, ~here),
-        (EXPIRED, here & ~one.ephemeris),
-        (SILENT, here & one.ephemeris & ~_is_compared(model, one)),
+        (EXPIRED, here & ~one.ephemeris_valid),
+        (SILENT, here & one.ephemeris_valid & ~_is_compared(model, one)),
         (WARMING, here & measured & ~ready),
         (EXCLUDED, here & measured & ready & violated(one, config, config.removal)),
     )
@@ -95,7 +95,7 @@ def _standing_is_reported(model: Selection, one: Channel) -> Iterator[Property]:
         "violate the criterion exactly where that is so",
         requirements=("SAT-1", "SAT-3", "SAT-D1"),
     )
-    followed = one.identity.value.eq(before(one.held)) & (before(one.warm) > 0)
+    followed = one.satellite.value.eq(before(one.held)) & (before(one.warm) > 0)
     cycles = ite(followed, minimum(before(one.warm) + 1, config.warm_up_cycles), as_num(1, COUNT))
     yield for_all_inputs(
         f"{name}: a window counts one satellite's measurements",
@@ -112,8 +112,8 @@ def _bounded(model: Selection, one: Channel) -> Iterator[Property]:
     if config.removal != "either":
         return
     rows = (
-        ("pseudorange", "range", one.error, one.offset, clock.clock, config.range_prediction_mm, config.range_clock_mm, config.range_threshold_mm),
-        ("doppler", "speed", one.speed_error, one.speed_offset, clock.speed_clock, config.speed_prediction_mm_s, config.speed_clock_mm_s, config.speed_threshold_mm_s),
+        ("pseudorange", "range", one.error, one.prediction, clock.clock, config.range_prediction_mm, config.range_clock_mm, config.range_threshold_mm),
+        ("doppler", "speed", one.speed_error, one.prediction_mm_s, clock.clock_mm_s, config.speed_prediction_mm_s, config.speed_clock_mm_s, config.speed_threshold_mm_s),
     )  # fmt: skip
     for compared, name, error, offset, off_clock, prediction, clock_most, threshold in rows:
         if config.compared not in (compared, "both"):
@@ -167,18 +167,18 @@ def _has_spread(model: Selection, one: Channel) -> Bool:
 
 def _measured(model: Selection, one: Channel) -> Bool:
     """In view, with valid data, and all that is compared was measured."""
-    return one.ephemeris & _is_compared(model, one) & one.identity.present
+    return one.ephemeris_valid & _is_compared(model, one) & one.satellite.present
 
 
 def _identity(one: Channel) -> Num:
     """Return the identity of the satellite that is received, 0: none."""
-    return ite(~one.identity.present, as_num(0, COUNT), one.identity.value)
+    return ite(~one.satellite.present, as_num(0, COUNT), one.satellite.value)
 
 
 def _reported_before(model: Selection, one: Channel) -> Bool:
     """An earlier channel receives the same satellite."""
     return any_of(
-        other.identity.present & one.identity.value.eq(other.identity.value)
+        other.satellite.present & one.satellite.value.eq(other.satellite.value)
         for other in model.own.channels[: one.number - 1]
     )
 
@@ -191,11 +191,11 @@ def _healthy(model: Selection, one: Channel) -> Bool:
     )
     bounds = (
         (one.error, config.range_noise_mm),
-        (one.offset, config.range_prediction_mm),
+        (one.prediction, config.range_prediction_mm),
         (one.speed_error, config.speed_noise_mm_s),
-        (one.speed_offset, config.speed_prediction_mm_s),
+        (one.prediction_mm_s, config.speed_prediction_mm_s),
         (model.own.clock, config.range_clock_mm),
-        (model.own.speed_clock, config.speed_clock_mm_s),
+        (model.own.clock_mm_s, config.speed_clock_mm_s),
     )
     return quiet & all_of(between(-most, term, most) for term, most in bounds)
 
@@ -220,11 +220,13 @@ def _once(model: Selection) -> Iterator[Property]:
     """Of the first of two channels, since one of the two has to give way."""
     channels = model.own.channels
     for number, one in enumerate(channels[1:], 1):
-        identity = one.identity.value
+        identity = one.satellite.value
         yield for_all_inputs(
             f"channel {one.number}: no satellite twice",
             one.standing.eq(USABLE).implies(
-                all_of(~earlier.identity.present | earlier.identity.value.ne(identity) for earlier in channels[:number])
+                all_of(
+                    ~earlier.satellite.present | earlier.satellite.value.ne(identity) for earlier in channels[:number]
+                )
             ),
             statement="a satellite that an earlier channel receives as well is not usable in this one: the machine "
             "uses it once",
@@ -252,7 +254,7 @@ def _counted(model: Selection) -> Iterator[Property]:
     )
     yield reachable(
         "all channels usable",
-        own.usable.eq(own.config.channels),
+        own.usable_satellites.eq(own.config.channels),
         statement="every channel can be usable at once",
         requirements=("SAT-1",),
     )

@@ -121,7 +121,7 @@ def _loose(model: Sections) -> Iterator[Property]:
     ]
     if own.followers is not None:
         within += [own.loose_front <= um(own.followers.low.bound), own.loose_rear >= um(own.followers.high.bound)]
-    loose = own.loose.implies(any_of(within))
+    loose = own.loose_there.implies(any_of(within))
     yield under_assumption(
         "loose vehicles are accounted for",
         of.bool(loose),
@@ -253,7 +253,7 @@ def _safety(model: Sections, one: Section) -> Iterator[Property]:
         there.bool(train.there) & _overlaps(there.num(rear), there.num(front), start, end)
         for train, (rear, front) in zip(own.slots, ends, strict=True)
     ]
-    loose = there.bool(own.loose) & _overlaps(there.num(own.loose_rear), there.num(own.loose_front), start, end)
+    loose = there.bool(own.loose_there) & _overlaps(there.num(own.loose_rear), there.num(own.loose_front), start, end)
     yield under_assumption(
         f"{name} is never clear with a train in it",
         free.implies(~any_of(trains)),

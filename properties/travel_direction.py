@@ -24,12 +24,12 @@ def properties(model: TravelDirection) -> list[Property]:
 
 def _passed_last(own: Parts) -> Num:
     """Return the model of the last reflector passed, this cycle included."""
-    return ite(own.passed.ne(NO_MODEL), own.passed, before(own.last))
+    return ite(own.passed_model.ne(NO_MODEL), own.passed_model, before(own.last_passed_model))
 
 
 def _tells(own: Parts) -> Bool:
     """Return whether the vehicle reads a balise between reflectors of different models."""
-    return own.balise & own.after.ne(own.before) & own.after.ne(NO_MODEL) & own.before.ne(NO_MODEL)
+    return own.balise_read & own.after.ne(own.before) & own.after.ne(NO_MODEL) & own.before.ne(NO_MODEL)
 
 
 def _true(model: TravelDirection) -> Iterator[Property]:
@@ -54,7 +54,7 @@ def _both(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
     stated, (_, half, *_) = machine.output("direction"), machine.modes
     newly = stated.ne(UNKNOWN) & earlier_num(stated).ne(stated)
-    seen = own.ahead.ne(NO_MODEL) & own.ahead.eq(before(own.awaited)) & ~own.balise
+    seen = own.ahead_model.ne(NO_MODEL) & own.ahead_model.eq(before(own.awaited_model)) & ~own.balise_read
     yield for_all_inputs(
         "both models count",
         newly.implies(before(machine.mode).eq(half) & seen & ite(was(own.along), stated.eq(ALONG), stated.eq(AGAINST))),
@@ -65,15 +65,15 @@ def _both(model: TravelDirection) -> Iterator[Property]:
 def _begins(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
     half = machine.mode.eq(machine.modes[1])
-    begun = half & (own.balise | before(machine.mode).ne(machine.modes[1]))
+    begun = half & (own.balise_read | before(machine.mode).ne(machine.modes[1]))
     passed = _passed_last(own)
     yield for_all_inputs(
         "equal models start no decision",
         begun.implies(_tells(own)),
         statement="a balise between equal models, or without one on either side, starts no decision",
     )
-    along = own.along & passed.eq(own.before) & own.awaited.eq(own.after)
-    against = ~own.along & passed.eq(own.after) & own.awaited.eq(own.before)
+    along = own.along & passed.eq(own.before) & own.awaited_model.eq(own.after)
+    against = ~own.along & passed.eq(own.after) & own.awaited_model.eq(own.before)
     yield for_all_inputs(
         "a decision begins with the model passed",
         begun.implies(along | against),
@@ -90,24 +90,26 @@ def _begins(model: TravelDirection) -> Iterator[Property]:
 
 def _confirmed(model: TravelDirection) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    waits = before(machine.mode).eq(machine.modes[1]) & ~own.balise & ~own.backwards
+    waits = before(machine.mode).eq(machine.modes[1]) & ~own.balise_read & ~own.backwards
     stated = machine.output("direction")
     yield for_all_inputs(
         "the awaited model states the direction",
-        (waits & own.ahead.eq(before(own.awaited))).implies(stated.eq(ite(was(own.along), ALONG, AGAINST))),
+        (waits & own.ahead_model.eq(before(own.awaited_model))).implies(stated.eq(ite(was(own.along), ALONG, AGAINST))),
         statement="if the awaited model is seen ahead, the machine states the direction of the half decision",
     )
     yield for_all_inputs(
         "another model ends the decision",
-        (waits & own.ahead.ne(NO_MODEL) & own.ahead.ne(before(own.awaited))).implies(
+        (waits & own.ahead_model.ne(NO_MODEL) & own.ahead_model.ne(before(own.awaited_model))).implies(
             machine.mode.eq(machine.modes[0]) & stated.eq(UNKNOWN)
         ),
         statement="if another model is seen ahead, the decision ends without a direction",
     )
     yield for_all_inputs(
         "a decision waits for a reflector",
-        (waits & own.ahead.eq(NO_MODEL)).implies(
-            machine.mode.eq(machine.modes[1]) & own.awaited.eq(before(own.awaited)) & own.along.iff(was(own.along))
+        (waits & own.ahead_model.eq(NO_MODEL)).implies(
+            machine.mode.eq(machine.modes[1])
+            & own.awaited_model.eq(before(own.awaited_model))
+            & own.along.iff(was(own.along))
         ),
         statement="while no reflector is seen ahead, a half decision stays as it began",
     )
@@ -144,12 +146,12 @@ def _stays(model: TravelDirection) -> Iterator[Property]:
     stated = machine.output("direction")
     yield for_all_inputs(
         "a stated direction stays between balises",
-        (~own.balise & ~own.backwards & earlier_num(stated).ne(UNKNOWN)).implies(stated.eq(earlier_num(stated))),
+        (~own.balise_read & ~own.backwards & earlier_num(stated).ne(UNKNOWN)).implies(stated.eq(earlier_num(stated))),
         statement="the machine withdraws a direction only at a balise, or when the vehicle turns",
     )
     yield for_all_inputs(
         "the model passed last stays stored",
-        own.last.eq(ite(own.backwards, NO_MODEL, _passed_last(own))),
+        own.last_passed_model.eq(ite(own.backwards, NO_MODEL, _passed_last(own))),
         statement="the machine stores the model of the last reflector passed until the vehicle passes another one or turns",
     )
 
@@ -159,7 +161,9 @@ def _turning(model: TravelDirection) -> Iterator[Property]:
     yield for_all_inputs(
         "turning forgets",
         own.backwards.implies(
-            machine.output("direction").eq(UNKNOWN) & own.last.eq(NO_MODEL) & machine.mode.eq(machine.modes[0])
+            machine.output("direction").eq(UNKNOWN)
+            & own.last_passed_model.eq(NO_MODEL)
+            & machine.mode.eq(machine.modes[0])
         ),
         statement="when the vehicle turns, the machine withdraws the direction and forgets the last model",
     )
@@ -179,9 +183,9 @@ def _half(model: TravelDirection) -> Iterator[Property]:
 
 def _contradiction(model: TravelDirection) -> Iterator[Property]:
     stated, own = model.machine.output("direction"), model.own
-    known = own.expected.ne(UNKNOWN) & stated.ne(UNKNOWN)
+    known = own.route_direction.ne(UNKNOWN) & stated.ne(UNKNOWN)
     yield for_all_inputs(
         "another direction than expected contradicts",
-        model.machine.flag("contradicts").iff(known & stated.ne(own.expected)),
+        model.machine.flag("contradicts").iff(known & stated.ne(own.route_direction)),
         statement="the machine reports a contradiction exactly in the steps in which it states another direction than route and authority",
     )

@@ -43,7 +43,7 @@ def _was_watching(model: TurnOff) -> Bool:
 
 def _same_switch(own: Parts) -> Bool:
     """Return whether the map gives no other switch, or the radar does not measure its reflector."""
-    return ~own.switch.present | own.switch.value.eq(before(own.here)) | ~own.measured
+    return ~own.switch_position.present | own.switch_position.value.eq(before(own.here)) | ~own.measured
 
 
 def _course(model: TurnOff) -> Iterator[Property]:
@@ -52,7 +52,7 @@ def _course(model: TurnOff) -> Iterator[Property]:
     course = machine.output("course")
     yield under_assumption(
         "course is true",
-        all_of(course.eq(label).implies(own.true.eq(label)) for label in COURSE[1:]),
+        all_of(course.eq(label).implies(own.true_course.eq(label)) for label in COURSE[1:]),
         statement="the machine states straight, left or right only if the vehicle takes that course",
     )
     yield for_all_inputs(
@@ -65,10 +65,10 @@ def _course(model: TurnOff) -> Iterator[Property]:
 def _contradiction(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     course = machine.output("course")
-    known = own.authorised.ne(UNDECIDED) & course.ne(UNDECIDED)
+    known = own.authorised_course.ne(UNDECIDED) & course.ne(UNDECIDED)
     yield for_all_inputs(
         "contradiction",
-        machine.flag("contradicts").iff(known & course.ne(own.authorised)),
+        machine.flag("contradicts").iff(known & course.ne(own.authorised_course)),
         statement="the machine reports a contradiction exactly in the steps in which it states another course than map and movement "
         "authority",
     )
@@ -86,9 +86,9 @@ def _decided(model: TurnOff) -> Iterator[Property]:
     through = (own.low - own.true_switch >= config.decide_mm) & (own.low - own.true_switch <= config.give_up_mm)
     yield under_assumption(
         "beyond the turnout a measured image decides",
-        (_was_watching(model) & own.measured & ~own.switch.present & through & (own.high >= own.true_switch)).implies(
-            machine.output("course").eq(own.true)
-        ),
+        (
+            _was_watching(model) & own.measured & ~own.switch_position.present & through & (own.high >= own.true_switch)
+        ).implies(machine.output("course").eq(own.true_course)),
         statement="surely beyond the turnout, the first measurement of the reflector behind the switch leads to the true course",
     )
     newly = machine.output("course").ne(earlier_num(machine.output("course")))
@@ -104,7 +104,7 @@ def _decided(model: TurnOff) -> Iterator[Property]:
 def _straight(model: TurnOff) -> Iterator[Property]:
     machine, own, config = model.machine, model.own, model.own.config
     course = machine.output("course")
-    moved = own.lateral - before(own.noted)
+    moved = own.lateral - before(own.noted_lateral)
     yield for_all_inputs(
         "straight only beyond the turnout",
         (course.eq(STRAIGHT) & earlier_num(course).ne(STRAIGHT)).implies(
@@ -120,7 +120,7 @@ def _turning(model: TurnOff) -> Iterator[Property]:
     """Yield that a turn is stated with the first measurement that shows it, to the millimetre."""
     machine, own, turn_mm = model.machine, model.own, model.own.config.turn_mm
     watched = _was_watching(model) & _same_switch(own) & machine.mode.one_of(*machine.modes[2:4])
-    to_right_mm = before(own.noted) - own.lateral
+    to_right_mm = before(own.noted_lateral) - own.lateral
     for words, course, shown in (("left", LEFT, to_right_mm > turn_mm), ("right", RIGHT, to_right_mm + turn_mm < 0)):
         yield for_all_inputs(
             f"a turn to the {words} is stated when it shows",
@@ -136,19 +136,22 @@ def _noting(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "the noted place is from before the switch",
         machine.mode.one_of(over, ahead).implies(
-            own.noted.eq(before(own.noted)) | (own.noted.eq(own.lateral) & own.measured & (own.high < own.here))
+            own.noted_lateral.eq(before(own.noted_lateral))
+            | (own.noted_lateral.eq(own.lateral) & own.measured & (own.high < own.here))
         ),
         statement="the machine notes a lateral place only from a measurement while the vehicle is surely before the switch",
     )
     yield for_all_inputs(
         "the last place before the switch is noted",
-        (machine.mode.eq(ahead) & before(machine.mode).eq(ahead) & own.measured).implies(own.noted.eq(own.lateral)),
+        (machine.mode.eq(ahead) & before(machine.mode).eq(ahead) & own.measured).implies(
+            own.noted_lateral.eq(own.lateral)
+        ),
         statement="before the switch the machine notes the lateral place anew with every measurement",
     )
     error = own.config.lateral_error_mm
     yield under_assumption(
         "the noted place is the reflector's",
-        machine.mode.one_of(over, ahead).implies(between(-error, own.place - own.noted, error)),
+        machine.mode.one_of(over, ahead).implies(between(-error, own.true_lateral - own.noted_lateral, error)),
         statement="the noted place is the true lateral place of the reflector behind the switch, within the lateral error",
     )
 
@@ -164,7 +167,7 @@ def _watched(model: TurnOff) -> Iterator[Property]:
     yield for_all_inputs(
         "the switch is that of the map",
         (own.here.ne(before(own.here)) & machine.mode.ne(idle)).implies(
-            own.switch.present & own.here.eq(own.switch.value) & machine.mode.eq(ahead)
+            own.switch_position.present & own.here.eq(own.switch_position.value) & machine.mode.eq(ahead)
         ),
         statement="the machine watches another switch only if the map gives it",
     )
@@ -174,7 +177,7 @@ def _given_up(model: TurnOff) -> Iterator[Property]:
     machine, own, config = model.machine, model.own, model.own.config
     idle, _, over, _, unseen = machine.modes
     far = own.low - before(own.here) > config.give_up_mm
-    unmeasured = (before(own.misses) > config.miss_limit_cycles - 1) & ~own.measured
+    unmeasured = (before(own.unmeasured) > config.miss_limit_cycles - 1) & ~own.measured
     yield for_all_inputs(
         "given up only without an image",
         (machine.mode.eq(unseen) & before(machine.mode).ne(unseen)).implies(far | unmeasured),
@@ -187,7 +190,7 @@ def _given_up(model: TurnOff) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "an image of another reflector decides nothing",
-        (own.measured & own.switch.present & own.switch.value.ne(before(own.here)) & (own.high < own.switch.value))
+        (own.measured & own.switch_position.present & own.switch_position.value.ne(before(own.here)) & (own.high < own.switch_position.value))
         .implies(machine.output("course").eq(UNDECIDED) & machine.mode.ne(idle)),
         statement="when the radar measures the reflector behind another switch ahead, the machine watches that switch and states no course")  # fmt: skip
 
@@ -195,10 +198,12 @@ def _given_up(model: TurnOff) -> Iterator[Property]:
 def _misses(model: TurnOff) -> Iterator[Property]:
     own, machine = model.own, model.machine
     _, ahead, over, *_ = machine.modes
-    one_more = ite(before(own.misses) < own.config.miss_limit_cycles, before(own.misses) + 1, before(own.misses))
+    one_more = ite(
+        before(own.unmeasured) < own.config.miss_limit_cycles, before(own.unmeasured) + 1, before(own.unmeasured)
+    )
     yield for_all_inputs(
         "cycles without a measurement are counted",
-        machine.mode.one_of(ahead, over).implies(own.misses.eq(ite(~own.measured, one_more, 0))),
+        machine.mode.one_of(ahead, over).implies(own.unmeasured.eq(ite(~own.measured, one_more, 0))),
         statement="while it watches the image, before and on the switch, the machine counts cycles in a row without a measurement",
     )
 
@@ -224,10 +229,12 @@ def _backs_off(model: TurnOff) -> Iterator[Property]:
 def _announced(model: TurnOff) -> Iterator[Property]:
     machine, own = model.machine, model.own
     idle, ahead, *_ = machine.modes
-    passed = own.switch.present & own.measured & (own.high < own.switch.value)
+    passed = own.switch_position.present & own.measured & (own.high < own.switch_position.value)
     yield for_all_inputs(
         "a switch in view is watched",
-        (passed & before(machine.mode).eq(idle)).implies(machine.mode.eq(ahead) & own.here.eq(own.switch.value)),
+        (passed & before(machine.mode).eq(idle)).implies(
+            machine.mode.eq(ahead) & own.here.eq(own.switch_position.value)
+        ),
         statement="from IDLE the machine begins to watch a switch that surely lies ahead and whose reflector the radar measures",
     )
     yield for_all_inputs(

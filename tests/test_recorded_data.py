@@ -25,19 +25,19 @@ def largest(name: str) -> tuple[int, int]:
     return max(step for step in steps if step is not None), max(changes)
 
 
-@pytest.mark.parametrize(("log", "step_mm", "change_mm"), [("28876", 9_160, 99), ("31176", 12_616, 373)])
-def test_clean_logs_are_within_the_default_gates(log: str, step_mm: int, change_mm: int) -> None:
+@pytest.mark.parametrize(("log", "distance_mm", "change_mm"), [("28876", 9_160, 99), ("31176", 12_616, 373)])
+def test_clean_logs_are_within_the_default_gates(log: str, distance_mm: int, change_mm: int) -> None:
     """160 km/h and 2.5 m/s2; the largest change holds some of the receiver's own noise (2.3 m/s2 in one row)."""
-    assert largest(f"trains/log_{log}.csv") == (step_mm, change_mm)
-    assert step_mm <= GATES.max_step_mm
-    assert change_mm <= GATES.max_step_change_mm
+    assert largest(f"trains/log_{log}.csv") == (distance_mm, change_mm)
+    assert distance_mm <= GATES.max_cycle_distance_mm
+    assert change_mm <= GATES.max_cycle_distance_change_mm
 
 
-@pytest.mark.parametrize(("log", "step_mm", "change_mm"), [("31259", 11_127, 2_166), ("29083", 212_327, 210_605)])
-def test_disturbed_logs_are_not(log: str, step_mm: int, change_mm: int) -> None:
+@pytest.mark.parametrize(("log", "distance_mm", "change_mm"), [("31259", 11_127, 2_166), ("29083", 212_327, 210_605)])
+def test_disturbed_logs_are_not(log: str, distance_mm: int, change_mm: int) -> None:
     """31259 has a few changes that no train makes; 29083 jumps at 530 m/s."""
-    assert largest(f"trains/log_{log}.csv") == (step_mm, change_mm)
-    assert change_mm > GATES.max_step_change_mm
+    assert largest(f"trains/log_{log}.csv") == (distance_mm, change_mm)
+    assert change_mm > GATES.max_cycle_distance_change_mm
 
 
 def test_a_gap_in_time_is_no_distance() -> None:

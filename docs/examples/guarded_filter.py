@@ -58,7 +58,7 @@ def sensors(cycle: int, rng: np.random.Generator) -> tuple[list[Record], float]:
     """Records of odometers and balises, and the satellite receiver's position, which drifts off."""
     end_ms, truth_mm = cycle * PERIOD_MS, cycle * STEP_MM
     records: list[Record] = [
-        DistanceRecord(time_ms=end_ms, end=end, unit=unit, step_mm=STEP_MM)
+        DistanceRecord(time_ms=end_ms, end=end, unit=unit, distance_mm=STEP_MM)
         for end in ("front", "rear")
         for unit in ("wheel", "radar")
     ]

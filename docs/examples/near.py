@@ -6,9 +6,9 @@ from safeloc.language.units import COUNT, MM
 from safeloc.language.world import Law, World
 
 LINE_MM = 100_000
-step, fix = number("step_mm", MM, -100, 100), optional("fix_mm", MM, 0, 1_000)
+step, fix = number("distance_mm", MM, -100, 100), optional("fix_mm", MM, 0, 1_000)
 place, age = number("place_mm", MM, -LINE_MM, LINE_MM), number("age_cycles", COUNT, 0, 1_000)
-truth, true_step = number("truth_mm", MM, -LINE_MM, LINE_MM), number("true_step_mm", MM, -200, 200)
+truth, true_cycle_distance = number("truth_mm", MM, -LINE_MM, LINE_MM), number("true_cycle_distance_mm", MM, -200, 200)
 (RUNNING,) = table = modes("RUNNING")
 
 machine = Machine(
@@ -31,11 +31,11 @@ machine = Machine(
     ],
     world=World(
         ghosts={truth: 0},
-        choices=[true_step],
-        moves={truth: minimum(maximum(truth + true_step, -LINE_MM), LINE_MM)},
+        choices=[true_cycle_distance],
+        moves={truth: minimum(maximum(truth + true_cycle_distance, -LINE_MM), LINE_MM)},
         clauses={
-            "the step is measured": Law((true_step - step <= 5) & (true_step - step >= -5)),
-            "the vehicle is slow": Law(true_step <= 50),
+            "the step is measured": Law((true_cycle_distance - step <= 5) & (true_cycle_distance - step >= -5)),
+            "the vehicle is slow": Law(true_cycle_distance <= 50),
         },
     ),
 )
@@ -44,8 +44,9 @@ machine = Machine(
 def simulate(seed: int) -> list[dict[str, int]]:
     """Fifty steps of 10 mm, with a fix in every fifth; with another seed than 0 the eighth step is 70 mm."""
     steps = [
-        {"step_mm": 10, "true_step_mm": 10, **({"fix_mm": cycle} if cycle % 5 == 0 else {})} for cycle in range(1, 51)
+        {"distance_mm": 10, "true_cycle_distance_mm": 10, **({"fix_mm": cycle} if cycle % 5 == 0 else {})}
+        for cycle in range(1, 51)
     ]
     if seed:
-        steps[7] |= {"step_mm": 70, "true_step_mm": 70}
+        steps[7] |= {"distance_mm": 70, "true_cycle_distance_mm": 70}
     return steps

@@ -76,7 +76,7 @@ def build(own: Parts) -> Arbitration:
             "min_safe_front_mm": position_if(given, own.position - own.below - own.lag),
             "max_safe_front_mm": position_if(given, own.position + own.above),
             "lead": _named(own, current),
-            "reference_accepted": own.referred,
+            "reference_accepted": own.reference_taken,
             "contradicting_first": own.first,
             "contradicting_second": own.second,
             "reason": own.reason,
@@ -160,14 +160,14 @@ def _stored_interval(own: Parts, cycle: Cycle, lag: Num) -> Updates:
         own.first: nobody,
         own.second: nobody,
         own.reason: LOCATED,
-        own.referred: cycle.referred,
+        own.reference_taken: cycle.referred,
     }
 
 
 def _nothing(own: Parts) -> Updates:
     """No position is reported."""
     zero = as_num(0, MM)
-    return {own.position: zero, own.below: zero, own.above: zero, own.lag: zero, own.referred: FALSE}
+    return {own.position: zero, own.below: zero, own.above: zero, own.lag: zero, own.reference_taken: FALSE}
 
 
 def _definitions(own: Parts, cycle: Cycle) -> dict[str, Expr]:

@@ -120,7 +120,7 @@ class Cycle:
     @cached_property
     def estimated(self) -> Num:
         """The distance estimated for the cycle."""
-        most = self.own.config.max_step_mm
+        most = self.own.config.max_cycle_distance_mm
         change = maximum(minimum(self.estimate - self.own.position, most), -most)
         return ite(self.own.distance.present, self.own.distance.value, change)
 

@@ -37,7 +37,7 @@ class ArbitrationConfig(Config):
     sources: tuple[str, ...] = SOURCES
     own: tuple[str, ...] = Field(default=(), description="sources of your own, after these")
     tolerance_mm: int = quantity(30_000, "mm", 1, 500_000, "[S] OCORA 7239: 30 m on main line")
-    max_step_mm: int = quantity(4_459, "mm", 1, 200_000, "[D] 160 km/h in 100 ms, and a measuring step")
+    max_cycle_distance_mm: int = quantity(4_459, "mm", 1, 200_000, "[D] 160 km/h in 100 ms, and a measuring step")
     lag_limit_mm: int = quantity(
         1_000_000, "mm", 0, 10_000_000, "[D] farther, odometer and sources contradict each other"
     )
@@ -117,7 +117,9 @@ class Parts:
         reach = (limit + 2 * widest) * NM_PER_MM
         named = enumeration(members("source", "NONE", *(name.upper() for name in config.every)))
         self.config = config
-        self.distance = declared.sensor(optional("distance_mm", MM, -config.max_step_mm, config.max_step_mm))
+        self.distance = declared.sensor(
+            optional("distance_mm", MM, -config.max_cycle_distance_mm, config.max_cycle_distance_mm)
+        )
         self.position = declared.state(number("common_position_mm", MM, -limit, limit), first=0)
         self.below = declared.state(number("common_margin_below_mm", MM, 0, config.tolerance_mm), first=0)
         self.above = declared.state(number("common_margin_above_mm", MM, 0, config.tolerance_mm), first=0)
@@ -125,7 +127,7 @@ class Parts:
         self.first = declared.state(choice("contradicting_first", named), first=0)
         self.second = declared.state(choice("contradicting_second", named), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
-        self.referred = declared.state(boolean("reference_taken"), first=False)
+        self.reference_taken = declared.state(boolean("reference_taken"), first=False)
         self.truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
         self.sources = tuple(_source(declared, name, config) for name in config.every)

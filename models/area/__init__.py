@@ -179,8 +179,8 @@ def _has_beside(own: Parts, one: Slot) -> tuple[Bool, Bool]:
     """Return the conditions that all loose vehicles are above the train, and that all are below it."""
     if own.followers is not None:
         return own.followers.beside(one, own.slots, own.unswept)
-    has_below = (one.present & one.below) | (~one.present & one.event.eq(ENTERS_LOW))
-    has_above = (one.present & one.above) | (~one.present & one.event.eq(ENTERS_HIGH))
+    has_below = (one.present & one.below_loose) | (~one.present & one.event.eq(ENTERS_LOW))
+    has_above = (one.present & one.above_loose) | (~one.present & one.event.eq(ENTERS_HIGH))
     return has_below, has_above
 
 
@@ -223,7 +223,7 @@ def _cleared(own: Parts) -> Updates:
     """Clear every slot, and what is known of the order; where nobody counts, a train that comes in now stays."""
     verdicts = _verdicts(own)
     if own.followers is None:
-        return together(verdicts, _no_trains(own), _no_order(own), {own.rejected: 0})
+        return together(verdicts, _no_trains(own), _no_order(own), {own.rejected_events: 0})
     return together(verdicts, _trains(own), _rejected(own), _followers(own), _order(own))
 
 
@@ -271,8 +271,8 @@ def _order(own: Parts) -> Updates:
     for one in own.slots:
         present = _present_after(own, one)
         below, above = _stays_beside(own, one)
-        updates[one.below] = present & below
-        updates[one.above] = present & above
+        updates[one.below_loose] = present & below
+        updates[one.above_loose] = present & above
         if own.followers is not None:
             updates[own.followers.ordered[one.number - 1]] = present & own.followers.stays_ordered(one)
     return updates
@@ -282,15 +282,15 @@ def _stays_beside(own: Parts, one: Slot) -> tuple[Bool, Bool]:
     """Return the same as `_has_beside` for a train that stays in the area."""
     if own.followers is not None:
         return _has_beside(own, one)
-    below = ite(one.enters, one.event.eq(ENTERS_LOW), one.below)
-    above = ite(one.enters, one.event.eq(ENTERS_HIGH), one.above)
+    below = ite(one.enters, one.event.eq(ENTERS_LOW), one.below_loose)
+    above = ite(one.enters, one.event.eq(ENTERS_HIGH), one.above_loose)
     return below, above
 
 
 def _no_order(own: Parts) -> Updates:
     """Allow loose vehicles on either side of any train."""
     ordered = () if own.followers is None else own.followers.ordered
-    return dict.fromkeys((*(side for one in own.slots for side in (one.below, one.above)), *ordered), FALSE)
+    return dict.fromkeys((*(side for one in own.slots for side in (one.below_loose, one.above_loose)), *ordered), FALSE)
 
 
 def _rejected(own: Parts) -> Updates:
@@ -299,7 +299,7 @@ def _rejected(own: Parts) -> Updates:
     for one in own.slots:
         strange = (one.leaves & ~_gone(own, one)) | (one.enters & one.present)
         rejected = rejected + ite(strange, as_num(1, COUNT), 0)
-    return {own.rejected: rejected}
+    return {own.rejected_events: rejected}
 
 
 def _present_after(own: Parts, one: Slot) -> Bool:
@@ -310,7 +310,7 @@ def _present_after(own: Parts, one: Slot) -> Bool:
 
 
 def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr]:
-    outputs: dict[str, Expr] = {"swept": current.eq(table[1]), "events_rejected": own.rejected}
+    outputs: dict[str, Expr] = {"swept": current.eq(table[1]), "events_rejected": own.rejected_events}
     for one in own.slots:
         name = f"train_{one.number}"
         outputs |= {f"{name}_in_area": one.present, f"{name}_accepted": one.last_verdict.eq(ACCEPTED)}

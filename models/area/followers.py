@@ -109,7 +109,7 @@ class Followers:
 
     ordered  for each slot: its train came in at an end that it reported, and its order on the track is known ever since
     behind   ghosts, for each slot: the vehicle that was never counted came in at the same end as the train, after it
-    at_low   choice: a vehicle that comes in uncounted does so at the low end
+    next_loose_comes_in_low   choice: a vehicle that comes in uncounted does so at the low end
     reported_late  choices, for each slot: a follower of the end where the train is reported to come in came in after it
     """
 
@@ -117,7 +117,7 @@ class Followers:
     high: Side
     ordered: tuple[BoolVar, ...]
     behind: tuple[BoolVar, ...]
-    at_low: BoolVar
+    next_loose_comes_in_low: BoolVar
     reported_late: tuple[BoolVar, ...]
 
     @property
@@ -158,9 +158,9 @@ class Followers:
         ordered = self.ordered[one.number - 1]
         from_low, from_high = (self.turns_loose(side, slots) for side in self.sides)
         known = ordered & ~one.leaves
-        above_it, below_it = known & (one.below | ~unswept), known & (one.above | ~unswept)
-        stays_below = ~from_low & ite(from_high, above_it, one.below & ~one.leaves)
-        stays_above = ~from_high & ite(from_low, below_it, one.above & ~one.leaves)
+        above_it, below_it = known & (one.below_loose | ~unswept), known & (one.above_loose | ~unswept)
+        stays_below = ~from_low & ite(from_high, above_it, one.below_loose & ~one.leaves)
+        stays_above = ~from_high & ite(from_low, below_it, one.above_loose & ~one.leaves)
         return (
             ite(one.enters, one.event.eq(ENTERS_LOW) & ~from_low, one.present & stays_below),
             ite(one.enters, one.event.eq(ENTERS_HIGH) & ~from_high, one.present & stays_above),

@@ -24,9 +24,9 @@ def moves(own: Parts, followers: Followers) -> dict[Var, Expr]:
     comes = _comes(own)
     found: dict[Var, Expr] = {}
     for side in followers.sides:
-        here = followers.at_low if side.is_low else ~followers.at_low
+        here = followers.next_loose_comes_in_low if side.is_low else ~followers.next_loose_comes_in_low
         was = side.came_in & ~any_of(one.event.eq(side.enters) for one in own.slots)
-        found[side.came_in] = all_of([own.next_loose, own.healthy, ite(comes, here, was)])
+        found[side.came_in] = all_of([own.next_loose_there, own.healthy, ite(comes, here, was)])
     return found | {
         behind: _is_behind(own, followers, one) for one, behind in zip(own.slots, followers.behind, strict=True)
     }
@@ -37,12 +37,12 @@ def _is_behind(own: Parts, followers: Followers, one: Slot) -> Bool:
     low, high = came_in(one)
     here = any_of(one.event.eq(side.enters) & side.came_in for side in followers.sides)
     was = ite(one.enters, here & followers.reported_late[one.number - 1], followers.behind[one.number - 1])
-    return ite(_comes(own), ite(followers.at_low, low, high), was)
+    return ite(_comes(own), ite(followers.next_loose_comes_in_low, low, high), was)
 
 
 def _comes(own: Parts) -> Bool:
     """Return the condition that the uncounted vehicle comes in."""
-    return own.next_loose & ~own.loose
+    return own.next_loose_there & ~own.loose_there
 
 
 def _outside(own: Parts, one: Slot) -> Bool:
@@ -86,7 +86,7 @@ def _detection_law(own: Parts) -> Law:
     clear = own.healthy & own.clear
     trains = all_of((one.there | one.enters).implies(_outside(own, one)) for one in own.slots)
     return Law(
-        clear.implies(~own.next_loose & trains),
+        clear.implies(~own.next_loose_there & trains),
         "Undisturbed train detection is clear only if no part of any vehicle is between the ends at the end of the cycle.",
         (),
         "[S] SUBSET-026 and EN 50129: train detection fails to occupied",
@@ -100,7 +100,7 @@ def _coming_law(own: Parts, followers: Followers) -> Law:
     at_low = ~followers.low.clear & (own.next_loose_front <= um(own.low_end) + step)
     at_high = ~followers.high.clear & (own.next_loose_rear >= um(own.high_end) - step)
     return Law(
-        (_comes(own) & own.healthy).implies(ite(followers.at_low, at_low, at_high)),
+        (_comes(own) & own.healthy).implies(ite(followers.next_loose_comes_in_low, at_low, at_high)),
         "While detection is undisturbed, a vehicle that was never counted comes in at an end only in a cycle in which the side "
         "just outside was not clear throughout, and is then no farther in than it runs in a cycle.",
         ("max_speed_mm_s", "period_ms"),
@@ -118,9 +118,9 @@ def _order_law(own: Parts, followers: Followers) -> Law:
     order = all_of(_beside(own, followers, one) for one in own.slots)
     term = all_of(
         [
-            own.next_loose.implies((rear <= front) & inside),
-            (own.next_loose & own.loose).implies(runs),
-            (own.next_loose & own.healthy).implies(order),
+            own.next_loose_there.implies((rear <= front) & inside),
+            (own.next_loose_there & own.loose_there).implies(runs),
+            (own.next_loose_there & own.healthy).implies(order),
         ]
     )
     return Law(

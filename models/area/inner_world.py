@@ -34,7 +34,7 @@ def part_law(one: Slot, known: Bool) -> Law:
 
 def detection_law(own: Parts, number: int, inner: Inner) -> Law:
     """Return the law of one detection section."""
-    loose = own.next_loose.implies(_outside(inner, own.next_loose_rear, own.next_loose_front))
+    loose = own.next_loose_there.implies(_outside(inner, own.next_loose_rear, own.next_loose_front))
     trains = [
         (one.there | one.enters).implies(
             _outside(inner, one.next_part_rear, one.next_part_front)

@@ -18,7 +18,9 @@ def ends_in_order(own: Parts) -> Bool:
 def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     """Return the lemmas: intervals contain their trains, loose vehicles are in bounds, and a train that pushes is there."""
     swept, followers = current.eq(table[1]), own.followers
-    loose = own.loose if followers is None else own.loose & ~(followers.low.came_in | followers.high.came_in)
+    loose = (
+        own.loose_there if followers is None else own.loose_there & ~(followers.low.came_in | followers.high.came_in)
+    )
     found: dict[str, Bool] = {
         "ends in order": ends_in_order(own),
         "nothing loose once swept": swept.implies(~loose),
@@ -41,11 +43,11 @@ def _of_train(own: Parts, one: Slot, swept: Bool) -> dict[str, Bool]:
     in_order = (
         one.there if own.inner else one.present
     )  # a train that is not there may have no place left where it can be
-    pushed = (one.below.implies(one.low <= own.loose_low)) & (one.above.implies(own.loose_high <= one.high))
+    pushed = (one.below_loose.implies(one.low <= own.loose_low)) & (one.above_loose.implies(own.loose_high <= one.high))
     return {
         f"train {one.number} within": one.there.implies(one.present & inside),
-        f"train {one.number} has sides only while present": (one.below | one.above).implies(one.present),
-        f"train {one.number} has one side": ~(one.below & one.above),
+        f"train {one.number} has sides only while present": (one.below_loose | one.above_loose).implies(one.present),
+        f"train {one.number} has one side": ~(one.below_loose & one.above_loose),
         f"train {one.number} has pushed": swept | pushed,
         f"train {one.number} is in order": in_order.implies(one.low <= one.high),
     }
@@ -57,9 +59,11 @@ def _of_parts(one: Slot) -> Bool:
 
 
 def _of_sides(own: Parts, one: Slot) -> dict[str, Bool]:
-    really = one.below.implies(one.from_low) & one.above.implies(one.from_high)
+    really = one.below_loose.implies(one.from_low) & one.above_loose.implies(one.from_high)
     return {
-        f"train {one.number} pushes only while there": (own.loose & (one.below | one.above)).implies(one.there),
+        f"train {one.number} pushes only while there": (own.loose_there & (one.below_loose | one.above_loose)).implies(
+            one.there
+        ),
         f"train {one.number} pushes from the end where it came in": one.there.implies(really),
     }
 
@@ -68,9 +72,9 @@ def _of_followers(own: Parts, followers: Followers) -> dict[str, Bool]:
     low, high = followers.sides
     inside = (own.loose_front >= um(own.low_end)) & (own.loose_rear <= um(own.high_end))
     return {
-        "followers within": (own.loose & low.came_in).implies(own.loose_front <= um(low.bound))
-        & (own.loose & high.came_in).implies(own.loose_rear >= um(high.bound)),
-        "followers are in the area": (own.loose & (low.came_in | high.came_in)).implies(inside),
+        "followers within": (own.loose_there & low.came_in).implies(own.loose_front <= um(low.bound))
+        & (own.loose_there & high.came_in).implies(own.loose_rear >= um(high.bound)),
+        "followers are in the area": (own.loose_there & (low.came_in | high.came_in)).implies(inside),
         "a follower came in at one end": ~(low.came_in & high.came_in),
         **{
             f"followers from the {name} end may be there": side.some | side.bound.eq(side.none)
@@ -87,16 +91,16 @@ def _of_order(own: Parts, followers: Followers, one: Slot, loose: Bool) -> dict[
     """Return where the uncounted vehicle really is, seen from a train whose order is known."""
     ordered, behind = followers.ordered[one.number - 1], followers.behind[one.number - 1]
     above, below = ite(behind, one.from_high, one.from_low), ite(behind, one.from_low, one.from_high)
-    known = own.loose & ordered
+    known = own.loose_there & ordered
     apart = (followers.low.bound <= one.high) & (followers.high.bound >= one.low)
     return {
         f"train {one.number} is ordered from one end": ~(one.from_low & one.from_high),
         f"train {one.number} is ordered only while present": ordered.implies(one.present),
-        f"train {one.number} has sides only while ordered": (one.below | one.above).implies(ordered),
+        f"train {one.number} has sides only while ordered": (one.below_loose | one.above_loose).implies(ordered),
         f"train {one.number} is ordered only while there": ordered.implies(one.there & (one.from_low | one.from_high)),
         f"train {one.number} keeps followers behind its far end": ordered.implies(apart),
         f"train {one.number} has followers behind it": (known & followers.low.came_in).implies(below)
         & (known & followers.high.came_in).implies(above),
-        f"train {one.number} has loose vehicles on its side": (loose & one.below).implies(above)
-        & (loose & one.above).implies(below),
+        f"train {one.number} has loose vehicles on its side": (loose & one.below_loose).implies(above)
+        & (loose & one.above_loose).implies(below),
     }

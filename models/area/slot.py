@@ -66,7 +66,7 @@ class Slot:
     rear, front         the report: bounds of the whole train when it was measured, `age` ms ago
     trusted, integer    the report was verified; the train is known to be whole
     downwards           since it was last known to be whole it ran towards the low end: that end leads, not the high one
-    below, above        every vehicle that was never counted in is above (below) this train, since it came in at the
+    below_loose, above_loose        every vehicle that was never counted in is above (below) this train, since it came in at the
                         low (high) end and no vehicle passes another
     there, true_rear, true_front  ghosts: the train itself, um
     from_low, from_high  ghosts: it came in at that end, and since then the counters were undisturbed
@@ -88,8 +88,8 @@ class Slot:
     high: NumVar
     silent: NumVar
     unconfirmed: NumVar
-    below: BoolVar
-    above: BoolVar
+    below_loose: BoolVar
+    above_loose: BoolVar
     last_verdict: NumVar
     there: BoolVar
     true_rear: NumVar
@@ -220,7 +220,7 @@ def slot(
         declared.state(number(f"{name}_unconfirmed_cycles", COUNT, 0, count_limit), first=0),
         declared.state(boolean(f"{name}_below_loose"), first=False),
         declared.state(boolean(f"{name}_above_loose"), first=False),
-        declared.state(choice(f"{name}_judged", enumeration(VERDICT)), first=NO_REPORT),
+        declared.state(choice(f"{name}_last_verdict", enumeration(VERDICT)), first=NO_REPORT),
         declared.ghost(boolean(f"{name}_there"), first=False),
         declared.ghost(number(f"{name}_true_rear_um", UM, -far, far), first=ANY),
         declared.ghost(number(f"{name}_true_front_um", UM, -far, far), first=ANY),

@@ -65,7 +65,7 @@ class Parts:
     low_end, high_end  places of the axle counters, mm: fixed, any two places
     healthy, clear     the axle counters, or train detection: undisturbed; no axle is counted in, or nobody is in the area
     loose_low, loose_high  bounds of loose vehicles, rear to front
-    loose, loose_rear, loose_front  ghosts: some loose vehicle is in the area; its true ends, um
+    loose_there, loose_rear, loose_front  ghosts: some loose vehicle is in the area; its true ends, um
     inner      detection sections inside the area
     followers  vehicles that come in uncounted at borders that report occupancy alone; None where every vehicle is counted
     """
@@ -84,7 +84,7 @@ class Parts:
         self.high_end = declared.state(number("high_end_mm", MM, -limit, limit), first=ANY)
         self.loose_low = declared.state(number("loose_low_mm", MM, -limit, limit), first=-limit)
         self.loose_high = declared.state(number("loose_high_mm", MM, -limit, limit), first=limit)
-        self.loose = declared.ghost(boolean("loose_there"), first=ANY)
+        self.loose_there = declared.ghost(boolean("loose_there"), first=ANY)
         self.loose_rear = declared.ghost(number("loose_rear_um", UM, -far, far), first=ANY)
         self.loose_front = declared.ghost(number("loose_front_um", UM, -far, far), first=ANY)
         self.inner = inner_sections(declared, config.inner_detection, limit)
@@ -93,8 +93,8 @@ class Parts:
             slot(declared, n, reach, config.count_limit, integrity_is_trusted=trusted, inner=self.inner)
             for n in range(1, config.trains + 1)
         )
-        self.rejected = declared.state(number("rejected_events", COUNT, 0, config.trains), first=0)
-        self.next_loose = declared.choice(boolean("next_loose_there"))
+        self.rejected_events = declared.state(number("rejected_events", COUNT, 0, config.trains), first=0)
+        self.next_loose_there = declared.choice(boolean("next_loose_there"))
         self.next_loose_rear = declared.choice(number("next_loose_rear_um", UM, -far - step, far + step))
         self.next_loose_front = declared.choice(number("next_loose_front_um", UM, -far - step, far + step))
         ends = (self.low_end, self.high_end)

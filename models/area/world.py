@@ -29,7 +29,7 @@ def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> Worl
     counted_out  slots for which an earlier machine guarantees that all of the train left
     """
     moves: dict[Var, Expr] = {
-        own.loose: own.next_loose,
+        own.loose_there: own.next_loose_there,
         own.loose_rear: own.next_loose_rear,
         own.loose_front: own.next_loose_front,
     }
@@ -220,11 +220,11 @@ def _loose_law(own: Parts) -> Law:
     inside = (front >= um(own.low_end)) & (rear <= um(own.high_end))
     term = all_of(
         [
-            own.next_loose.implies(own.loose | ~own.healthy),
-            own.next_loose.implies((rear <= front) & inside),
-            (own.next_loose & own.loose).implies(runs),
-            own.next_loose.implies(~(own.healthy & own.clear)),
-            *((own.next_loose & own.healthy).implies(_beside(own, one)) for one in own.slots),
+            own.next_loose_there.implies(own.loose_there | ~own.healthy),
+            own.next_loose_there.implies((rear <= front) & inside),
+            (own.next_loose_there & own.loose_there).implies(runs),
+            own.next_loose_there.implies(~(own.healthy & own.clear)),
+            *((own.next_loose_there & own.healthy).implies(_beside(own, one)) for one in own.slots),
         ]
     )
     return Law(

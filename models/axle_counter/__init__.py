@@ -94,14 +94,14 @@ def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
     return {
         "record_ready": done,
         "record_sound": sound,
-        "record_axles": if_ready(own.count),
+        "record_axles": if_ready(own.axles_counted),
         "record_length_low_um": if_ready(own.length_low),
         "record_length_high_um": if_ready(own.length_high),
-        "record_speed_low_mm_s": if_ready(own.low_speed),
-        "record_speed_high_mm_s": if_ready(own.high_speed),
+        "record_speed_low_mm_s": if_ready(own.speed_low),
+        "record_speed_high_mm_s": if_ready(own.speed_high),
         "record_run_low_um": if_ready(own.run_low),
         "record_run_high_um": if_ready(own.run_high),
-        "record_direction": own.came,
+        "record_direction": own.direction,
         "record_flaw": own.flaw,
     }
 
@@ -112,7 +112,11 @@ def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     spoilt, idle, passing, done = table
     free, counted = (idle, done), cycle.counted & ~own.fault
-    both_speeds = own.slow.present & own.fast.present & (own.slow.value <= own.fast.value)
+    both_speeds = (
+        own.axle_speed_low.present
+        & own.axle_speed_high.present
+        & (own.axle_speed_low.value <= own.axle_speed_high.value)
+    )
     onward, flaws = counted & cycle.onward, _flaws(own, cycle, counted, both_speeds)
     wrong, flaw = any_of(when for when, _ in flaws), first_of(*flaws, default=SOUND)
     nothing, ran = _nothing(own), _ran(own, cycle)
@@ -141,7 +145,7 @@ def _flaws(own: Parts, cycle: Cycle, counted: Bool, both_speeds: Bool) -> list[t
     onward = counted & cycle.onward
     long = (own.length_high > own.config.length_limit_mm * UM_PER_MM) | cycle.lost
     agrees = both_speeds & (cycle.measured[0] <= cycle.measured[1])
-    full = own.count + own.number > own.config.axle_limit
+    full = own.axles_counted + own.axles_in_cycle > own.config.axle_limit
     return [
         (long, TOO_LONG),
         (counted & ~cycle.onward, TURNED),
@@ -158,25 +162,25 @@ def _flaws(own: Parts, cycle: Cycle, counted: Bool, both_speeds: Bool) -> list[t
 def _nothing(own: Parts) -> Updates:
     """Clear the passage: no train is on the counter."""
     return {
-        own.low_speed: 0, own.high_speed: 0, own.run_low: 0, own.run_high: 0, own.length_low: 0, own.length_high: 0,
-        own.past_low: 0, own.came: NO_AXLE, own.count: 0, own.pause: 0,
+        own.speed_low: 0, own.speed_high: 0, own.run_low: 0, own.run_high: 0, own.length_low: 0, own.length_high: 0,
+        own.past_low: 0, own.direction: NO_AXLE, own.axles_counted: 0, own.pause: 0,
     }  # fmt: skip
 
 
 def _first(own: Parts) -> Updates:
     """Begin the run at this axle, which passed at some time of this cycle."""
     change, period, most = own.config.change_mm_s, own.config.period_ms, own.config.max_speed_mm_s
-    low, high = maximum(own.slow.value - change, -most), minimum(own.fast.value + change, most)
+    low, high = maximum(own.axle_speed_low.value - change, -most), minimum(own.axle_speed_high.value + change, most)
     return {
-        own.low_speed: low,
-        own.high_speed: high,
+        own.speed_low: low,
+        own.speed_high: high,
         own.run_low: minimum(low * Lit(period, MS), 0),
         own.run_high: maximum(high * Lit(period, MS), 0),
         own.length_low: minimum(low * Lit(period, MS), 0),
         own.length_high: maximum(high * Lit(period, MS), 0),
         own.past_low: minimum(low * Lit(period, MS), 0),
-        own.came: own.axle,
-        own.count: own.number,
+        own.direction: own.axle,
+        own.axles_counted: own.axles_in_cycle,
         own.pause: 0,
     }
 
@@ -185,14 +189,14 @@ def _next(own: Parts, cycle: Cycle) -> Updates:
     """Count another axle of the train, which passed at some time of this cycle: the length ends here so far."""
     low, high = cycle.runs
     return {
-        own.low_speed: cycle.measured[0],
-        own.high_speed: cycle.measured[1],
+        own.speed_low: cycle.measured[0],
+        own.speed_high: cycle.measured[1],
         own.run_low: low,
         own.run_high: high,
         own.length_low: minimum(own.run_low, low),
         own.length_high: maximum(own.run_high, high),
         own.past_low: minimum(cycle.speeds[0] * Lit(own.config.period_ms, MS), 0),
-        own.count: own.count + own.number,
+        own.axles_counted: own.axles_counted + own.axles_in_cycle,
         own.pause: 0,
     }
 
@@ -200,8 +204,8 @@ def _next(own: Parts, cycle: Cycle) -> Updates:
 def _ran(own: Parts, cycle: Cycle) -> Updates:
     """Continue the run: a cycle without an axle."""
     return {
-        own.low_speed: cycle.speeds[0],
-        own.high_speed: cycle.speeds[1],
+        own.speed_low: cycle.speeds[0],
+        own.speed_high: cycle.speeds[1],
         own.run_low: cycle.runs[0],
         own.run_high: cycle.runs[1],
         own.past_low: cycle.past,

@@ -25,13 +25,13 @@ class Cycle:
     @cached_property
     def onward(self) -> Bool:
         """The axle passed in the direction of the first one."""
-        return self.own.axle.eq(self.own.came)
+        return self.own.axle.eq(self.own.direction)
 
     @cached_property
     def speeds(self) -> tuple[Num, Num]:
         """Bounds of the speed at any time of this cycle, from those before it, mm/s."""
         change, most = self.own.config.change_mm_s, self.own.config.max_speed_mm_s
-        return maximum(self.own.low_speed - change, -most), minimum(self.own.high_speed + change, most)
+        return maximum(self.own.speed_low - change, -most), minimum(self.own.speed_high + change, most)
 
     @cached_property
     def runs(self) -> tuple[Num, Num]:
@@ -46,7 +46,9 @@ class Cycle:
         """Bounds of the speed after a cycle with axles, mm/s."""
         low, high = self.speeds
         change = self.own.config.change_mm_s
-        return maximum(low, self.own.slow.value - change), minimum(high, self.own.fast.value + change)
+        return maximum(low, self.own.axle_speed_low.value - change), minimum(
+            high, self.own.axle_speed_high.value + change
+        )
 
     @cached_property
     def passed(self) -> Bool:

@@ -14,7 +14,7 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
     followed = current.eq(passing) | (current.eq(done) & own.flaw.eq(SOUND))
     run = between(exact_to(own.run_low, NM), _ahead(own, own.run), exact_to(own.run_high, NM))
     length = between(exact_to(own.length_low, NM), _ahead(own, own.length), exact_to(own.length_high, NM))
-    speed = between(exact_to(own.low_speed, UM_S), _ahead(own, own.speed), exact_to(own.high_speed, UM_S))
+    speed = between(exact_to(own.speed_low, UM_S), _ahead(own, own.speed), exact_to(own.speed_high, UM_S))
     return {
         "the run is within its bounds": followed.implies(run),
         "the length is within its bounds": followed.implies(length),
@@ -22,15 +22,19 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
         "the run since the last axle is within its bound": followed.implies(
             _ahead(own, own.run - own.length) >= exact_to(own.past_low, NM)
         ),
-        "the count is true": followed.implies(own.count.eq(own.axles)),
+        "the count is true": followed.implies(own.axles_counted.eq(own.axles)),
         "a spoilt passage has a flaw": current.eq(spoilt).implies(own.flaw.ne(SOUND)),
-        "a train has a direction": current.eq(passing).implies(own.came.ne(NO_AXLE) & (own.count > 0)),
+        "a train has a direction": current.eq(passing).implies(own.direction.ne(NO_AXLE) & (own.axles_counted > 0)),
         "between passages the next axle begins one": current.one_of(idle, done).implies(own.away),
-        "the last axle came as the first one": current.eq(passing).implies(own.last_up.iff(own.came.eq(UP))),
-        "the pause is counted": (current.eq(passing) & (own.pause < own.pause.high)).implies(own.pause.eq(own.waited)),
+        "the last axle came as the first one": current.eq(passing).implies(
+            own.last_axle_upwards.iff(own.direction.eq(UP))
+        ),
+        "the pause is counted": (current.eq(passing) & (own.pause < own.pause.high)).implies(
+            own.pause.eq(own.true_pause)
+        ),
     }
 
 
 def _ahead(own: Parts, along: Num) -> Num:
     """Return an upward distance as a distance in the direction in which the train came."""
-    return ite(own.came.eq(UP), along, -along)
+    return ite(own.direction.eq(UP), along, -along)

@@ -90,20 +90,20 @@ class AxleCounterConfig(Config):
 class Parts:
     """The variables of the machine.
 
-    axle, number     direction of the axles counted in this cycle (the same for all of them), and their number
-    slow, fast       bounds of the speeds of all of them
+    axle, axles_in_cycle     direction of the axles counted in this cycle (the same for all of them), and their number
+    axle_speed_low, axle_speed_high       bounds of the speeds of all of them
     fault            the head is disturbed, or its two channels disagree
     over             no train is on the counter; reported by the counters around, or by the operator
-    low_speed, high_speed    bounds of the speed now
+    speed_low, speed_high    bounds of the speed now
     run_low, run_high        bounds of the run since the first axle
     length_low, length_high  bounds of the run up to the last axle
     past_low                 lower bound of the run since the last axle
     pause                    cycles since the last axle
     speed, run, length, axles  ghosts: the train's speed, its run since the first axle, that run up to its last axle, its axles so
                                far; upwards along the line
-    axle_speed                 ghost: its speed when the axle passed
+    axle_true_speed                 ghost: its speed when the axle passed
     away                       ghost: the next axle belongs to another passage
-    waited, last_up            ghosts: cycles since the last axle; it passed upwards
+    true_pause, last_axle_upwards            ghosts: cycles since the last axle; it passed upwards
     """
 
     def __init__(self, config: AxleCounterConfig) -> None:
@@ -112,20 +112,20 @@ class Parts:
         step = 2 * most * config.period_ms * UM_PER_MM
         self.config = config
         self.axle = declared.sensor(choice("axle", enumeration(AXLE)))
-        self.number = declared.sensor(number("axles_in_cycle", COUNT, 1, config.axles_a_cycle))
-        self.slow = declared.sensor(optional("axle_speed_low_mm_s", MM_S, 0, most))
-        self.fast = declared.sensor(optional("axle_speed_high_mm_s", MM_S, 0, most))
+        self.axles_in_cycle = declared.sensor(number("axles_in_cycle", COUNT, 1, config.axles_a_cycle))
+        self.axle_speed_low = declared.sensor(optional("axle_speed_low_mm_s", MM_S, 0, most))
+        self.axle_speed_high = declared.sensor(optional("axle_speed_high_mm_s", MM_S, 0, most))
         self.fault = declared.sensor(boolean("head_fault"))
         self.over = declared.sensor(boolean("passage_over"))
-        self.low_speed = declared.state(number("speed_low_mm_s", MM_S, -most, most), first=0)
-        self.high_speed = declared.state(number("speed_high_mm_s", MM_S, -most, most), first=0)
+        self.speed_low = declared.state(number("speed_low_mm_s", MM_S, -most, most), first=0)
+        self.speed_high = declared.state(number("speed_high_mm_s", MM_S, -most, most), first=0)
         self.run_low = declared.state(number("run_low_um", UM, -far, far), first=0)
         self.run_high = declared.state(number("run_high_um", UM, -far, far), first=0)
         self.length_low = declared.state(number("length_low_um", UM, -far, far), first=0)
         self.length_high = declared.state(number("length_high_um", UM, -far, far), first=0)
         self.past_low = declared.state(number("past_low_um", UM, -far, far), first=0)
-        self.came = declared.state(choice("direction", enumeration(AXLE)), first=NO_AXLE)
-        self.count = declared.state(number("axles_counted", COUNT, 0, axles), first=0)
+        self.direction = declared.state(choice("direction", enumeration(AXLE)), first=NO_AXLE)
+        self.axles_counted = declared.state(number("axles_counted", COUNT, 0, axles), first=0)
         self.pause = declared.state(number("pause_cycles", COUNT, 0, config.pause_cycles), first=0)
         self.flaw = declared.state(choice("flaw", enumeration(_FLAW)), first=POWER_UP)
         self.speed = declared.ghost(number("true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM), first=ANY)
@@ -133,15 +133,19 @@ class Parts:
         self.length = declared.ghost(number("true_length_nm", NM, -(10**15), 10**15), first=0)
         self.axles = declared.ghost(number("true_axles", COUNT, 0, 2**31), first=0)
         self.away = declared.ghost(boolean("train_is_away"), first=True)
-        self.waited = declared.ghost(
+        self.true_pause = declared.ghost(
             number("true_pause_cycles", COUNT, 0, config.headway_ms // config.period_ms + 1), first=ANY
         )
-        self.last_up = declared.ghost(boolean("last_axle_upwards"), first=ANY)
-        self.next_speed = declared.choice(number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM))
-        self.axle_speed = declared.choice(number("axle_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM))
-        self.true_step = declared.choice(number("true_step_nm", NM, -step, step))
-        self.axle_step = declared.choice(number("true_step_to_axle_nm", NM, -step, step))
-        self.true_axles = declared.choice(number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle))
+        self.last_axle_upwards = declared.ghost(boolean("last_axle_upwards"), first=ANY)
+        self.next_true_speed = declared.choice(
+            number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM)
+        )
+        self.axle_true_speed = declared.choice(
+            number("axle_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM)
+        )
+        self.true_cycle_distance = declared.choice(number("true_cycle_distance_nm", NM, -step, step))
+        self.true_distance_to_axle = declared.choice(number("true_distance_to_axle_nm", NM, -step, step))
+        self.true_axles_in_cycle = declared.choice(number("true_axles_in_cycle", COUNT, 0, config.axles_a_cycle))
 
 
 def parts(config: AxleCounterConfig) -> Parts:

@@ -93,7 +93,7 @@ def _quiet(config: AxleCounterConfig, speed_mm_s: int, *, over: bool) -> dict[st
     speed = speed_mm_s * UM_PER_MM
     return {
         "axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "passage_over": over, "next_true_speed_um_s": speed,
-        "axle_true_speed_um_s": speed, "true_step_nm": speed * config.period_ms, "true_step_to_axle_nm": 0,
+        "axle_true_speed_um_s": speed, "true_cycle_distance_nm": speed * config.period_ms, "true_distance_to_axle_nm": 0,
         "true_axles_in_cycle": 0,
     }  # fmt: skip
 
@@ -143,7 +143,7 @@ class _Train:
         last = (axles[-1] if speed > 0 else axles[0]) if axles else since
         return {
             "next_true_speed_um_s": speed * UM_PER_MM, "axle_true_speed_um_s": speed * UM_PER_MM,
-            "true_step_nm": after - since, "true_step_to_axle_nm": last - since, "true_axles_in_cycle": len(axles),
+            "true_cycle_distance_nm": after - since, "true_distance_to_axle_nm": last - since, "true_axles_in_cycle": len(axles),
         }  # fmt: skip
 
 

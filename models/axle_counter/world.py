@@ -22,19 +22,19 @@ def world(own: Parts) -> World:
     A train that stands on the counter when the machine starts begins with the first axle that passes after that.
     """
     run, length = _run_after(own)
-    axles = ite(_first(own), own.true_axles, minimum(own.axles + own.true_axles, own.axles.high))
-    passes = own.true_axles > 0
+    axles = ite(_first(own), own.true_axles_in_cycle, minimum(own.axles + own.true_axles_in_cycle, own.axles.high))
+    passes = own.true_axles_in_cycle > 0
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
         moves={
-            own.speed: own.next_speed,
+            own.speed: own.next_true_speed,
             own.run: run,
             own.length: length,
             own.axles: axles,
             own.away: _away_after(own),
-            own.last_up: ite(passes, own.axle_speed > 0, own.last_up),
-            own.waited: ite(passes, 0, minimum(own.waited + 1, own.waited.high)),
+            own.last_axle_upwards: ite(passes, own.axle_true_speed > 0, own.last_axle_upwards),
+            own.true_pause: ite(passes, 0, minimum(own.true_pause + 1, own.true_pause.high)),
         },
         clauses={**_head_laws(own), **_train_laws(own)},
     )
@@ -44,27 +44,27 @@ def world(own: Parts) -> World:
 
 
 def _head_laws(own: Parts) -> dict[str, Bool | Law]:
-    count = ite(own.axle.eq(NO_AXLE), 0, own.number)
-    way = own.axle.eq(UP).implies(own.axle_speed > 0) & own.axle.eq(DOWN).implies(own.axle_speed < 0)
-    measured = own.axle.ne(NO_AXLE) & own.slow.present & own.fast.present
-    slow, fast = exact_to(own.slow.value, UM_S), exact_to(own.fast.value, UM_S)
+    count = ite(own.axle.eq(NO_AXLE), 0, own.axles_in_cycle)
+    way = own.axle.eq(UP).implies(own.axle_true_speed > 0) & own.axle.eq(DOWN).implies(own.axle_true_speed < 0)
+    measured = own.axle.ne(NO_AXLE) & own.axle_speed_low.present & own.axle_speed_high.present
+    slow, fast = exact_to(own.axle_speed_low.value, UM_S), exact_to(own.axle_speed_high.value, UM_S)
     return {
         "a head without a fault counts every axle": Law(
-            (~own.fault).implies(own.true_axles.eq(count) & way),
+            (~own.fault).implies(own.true_axles_in_cycle.eq(count) & way),
             "As long as the head is not at fault, it reports every axle once, in its cycle and with its direction.",
             source="[S] DP 1 728 700: overlapping pulses; proved of the counting head",
             owner="supplier",
             check="counts of neighbouring counters and of the fibre compared",
         ),
         "a head without a fault measures the axle's speed": Law(
-            (measured & ~own.fault).implies(between(slow, abs_(own.axle_speed), fast)),
+            (measured & ~own.fault).implies(between(slow, abs_(own.axle_true_speed), fast)),
             "Where both bounds of an axle's speed are reported, the axle's speed lies between them, whatever its direction.",
             source="[D] spacing of the channels and time of a sample",
             owner="supplier",
             check="speeds of consecutive axles; the train's own speed",
         ),
         "a passage is reported as over only when it is": Law(
-            (own.over & own.true_axles.eq(0)).implies(_away_after(own)),
+            (own.over & own.true_axles_in_cycle.eq(0)).implies(_away_after(own)),
             "The input that the counter is clear is true only if the next axle belongs to another passage.",
             figures=("axle_gap_mm",),
             source="[D] the counters around, or the operator's eyes",
@@ -77,10 +77,14 @@ def _head_laws(own: Parts) -> dict[str, Bool | Law]:
 def _train_laws(own: Parts) -> dict[str, Bool | Law]:
     low, high = own.speed - _change(own), own.speed + _change(own)
     at_axle = ite(
-        _first(own), abs_(own.next_speed - own.axle_speed) <= _change(own), between(low, own.axle_speed, high)
+        _first(own),
+        abs_(own.next_true_speed - own.axle_true_speed) <= _change(own),
+        between(low, own.axle_true_speed, high),
     )
-    near = abs_(own.next_speed - own.axle_speed) <= _change(own)
-    changes = (_first(own) | between(low, own.next_speed, high)) & (own.true_axles > 0).implies(at_axle & near)
+    near = abs_(own.next_true_speed - own.axle_true_speed) <= _change(own)
+    changes = (_first(own) | between(low, own.next_true_speed, high)) & (own.true_axles_in_cycle > 0).implies(
+        at_axle & near
+    )
     return {
         "speed changes within traction and brake": Law(
             changes,
@@ -99,7 +103,7 @@ def _train_laws(own: Parts) -> dict[str, Bool | Law]:
             check="none needed",
         ),
         "trains follow each other at the headway": Law(
-            (_first(own) & own.last_up.iff(own.axle_speed > 0)).implies(_headway_over(own)),
+            (_first(own) & own.last_axle_upwards.iff(own.axle_true_speed > 0)).implies(_headway_over(own)),
             "Between the last axle of a passage and the first one of the next in the same direction, at least "
             "the headway passes.",
             figures=("headway_ms",),
@@ -151,46 +155,57 @@ def _gap_nm(own: Parts) -> int:
 
 def _first(own: Parts) -> Bool:
     """Return the condition that the first axle of a passage passes in this cycle."""
-    return own.away & (own.true_axles > 0)
+    return own.away & (own.true_axles_in_cycle > 0)
 
 
 def _run_after(own: Parts) -> tuple[Num, Num]:
     """Return run and length after the cycle: the run begins at the first axle of a passage; the length is the run at the last axle."""
-    run = ite(_first(own), own.true_step, own.run + own.true_step)
-    length = ite(_first(own), own.axle_step, ite(own.true_axles > 0, own.run + own.axle_step, own.length))
+    run = ite(_first(own), own.true_cycle_distance, own.run + own.true_cycle_distance)
+    length = ite(
+        _first(own),
+        own.true_distance_to_axle,
+        ite(own.true_axles_in_cycle > 0, own.run + own.true_distance_to_axle, own.length),
+    )
     return run, length
 
 
 def _away_after(own: Parts) -> Bool:
     """Return the condition that the next axle belongs to another passage: the last one is too far behind."""
     run, length = _run_after(own)
-    return (own.away & own.true_axles.eq(0)) | (abs_(run - length) > _gap_nm(own))
+    return (own.away & own.true_axles_in_cycle.eq(0)) | (abs_(run - length) > _gap_nm(own))
 
 
 def _headway_over(own: Parts) -> Bool:
     """Return the condition that the headway is over; the two axles may lie at the edges of their cycles: two periods more."""
     config = own.config
-    return own.waited * config.period_ms > config.headway_ms - 2 * config.period_ms
+    return own.true_pause * config.period_ms > config.headway_ms - 2 * config.period_ms
 
 
 def _can_stop(own: Parts, run: Num) -> Bool:
     config = own.config
     fastest, slower = config.max_speed_mm_s * 1_000, config.change_mm_s2 * config.period_ms
     stopping_ms = (fastest // slower + 2) * config.period_ms
-    return between(own.run.low, run + own.next_speed * Lit(stopping_ms, MS), own.run.high)
+    return between(own.run.low, run + own.next_true_speed * Lit(stopping_ms, MS), own.run.high)
 
 
 def _since_first(own: Parts) -> Bool:
     """Return the bounds for the rest of the cycle after the first axle: up to the last axle in it, and after that."""
-    low, high = own.axle_speed - _change(own), own.axle_speed + _change(own)
-    return _within_cycle(own, (own.true_step, own.axle_step, own.true_step - own.axle_step), low, high)
+    low, high = own.axle_true_speed - _change(own), own.axle_true_speed + _change(own)
+    return _within_cycle(
+        own,
+        (own.true_cycle_distance, own.true_distance_to_axle, own.true_cycle_distance - own.true_distance_to_axle),
+        low,
+        high,
+    )
 
 
 def _since_before(own: Parts, low: Num, high: Num) -> Bool:
     """Return the bounds for the whole cycle, up to the last axle within it, and after that."""
     slowest, fastest = _ways(own, low, high)
-    over_cycle = between(slowest, own.true_step, fastest)
-    return over_cycle & _within_cycle(own, (own.axle_step, own.true_step - own.axle_step), low, high)
+    over_cycle = between(slowest, own.true_cycle_distance, fastest)
+    return over_cycle & _within_cycle(
+        own, (own.true_distance_to_axle, own.true_cycle_distance - own.true_distance_to_axle), low, high
+    )
 
 
 def _within_cycle(own: Parts, runs: tuple[Num, ...], low: Num, high: Num) -> Bool:

@@ -78,7 +78,12 @@ def build(own: Parts) -> AxleHead:
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     free, a_first, both_up, b_last, b_first, both_down, a_last, disturbed = table
     none: dict[Var, Lit] = {own.axle: NO_AXLE}
-    no, a, both, b = ~own.a & ~own.b, own.a & ~own.b, own.a & own.b, ~own.a & own.b
+    no, a, both, b = (
+        ~own.channel_a_damped & ~own.channel_b_damped,
+        own.channel_a_damped & ~own.channel_b_damped,
+        own.channel_a_damped & own.channel_b_damped,
+        ~own.channel_a_damped & own.channel_b_damped,
+    )
 
     def row(name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, axle: Lit = NO_AXLE) -> Transition:
         return Transition(name, source, target, when, {own.axle: axle}, REQUIREMENTS)

@@ -53,8 +53,8 @@ class Parts:
     def __init__(self, config: AxleHeadConfig) -> None:
         self.declared = declared = Declared()
         self.config = config
-        self.a = declared.sensor(boolean("channel_a_damped"))
-        self.b = declared.sensor(boolean("channel_b_damped"))
+        self.channel_a_damped = declared.sensor(boolean("channel_a_damped"))
+        self.channel_b_damped = declared.sensor(boolean("channel_b_damped"))
         self.axle = declared.state(choice("axle", enumeration(AXLE)), first=NO_AXLE)
         self.wheel = declared.ghost(number("wheel_um", UM, -BESIDE_UM, BESIDE_UM), first=-BESIDE_UM)
         self.from_low = declared.ghost(boolean("wheel_from_low"), first=False)

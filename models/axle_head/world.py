@@ -43,7 +43,7 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
     off = ~_over_head(own.wheel, config) & ~_over_head(then, config)
     return {
         "a channel is damped where the wheel is": Law(
-            own.a.iff(over_a) & own.b.iff(over_b),
+            own.channel_a_damped.iff(over_a) & own.channel_b_damped.iff(over_b),
             "A channel is damped as long as a wheel is on its stretch, and by nothing else; the stretches overlap.",
             figures=("spacing_mm", "overlap_mm"),
             source="[S] DP 1 728 700: overlapping pulses",

@@ -59,7 +59,7 @@ def build(own: Parts) -> AxleSection:
             "clear": current.eq(clear),
             "healthy": counting,
             "needs_reset": current.one_of(table[0], table[3]),
-            "axles": own.count,
+            "axles": own.counted_axles,
             "reset_answer": own.answer,
         },
         transitions=list(_table(own, current, table)),
@@ -82,7 +82,7 @@ def build(own: Parts) -> AxleSection:
 
 def _counted(own: Parts) -> Num:
     """Return the count after the cycle."""
-    return own.count + own.into[0] + own.into[1] - own.out[0] - own.out[1]
+    return own.counted_axles + own.into[0] + own.into[1] - own.out[0] - own.out[1]
 
 
 def _moved(own: Parts) -> Bool:
@@ -103,12 +103,12 @@ def _through(own: Parts) -> Bool:
 
 def _answer(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Num:
     """Return the answer to a request for reset. A count of axles refuses it only while the count is undisturbed, or swept."""
-    counted = current.one_of(table[2], table[4]) & (own.count > 0)
+    counted = current.one_of(table[2], table[4]) & (own.counted_axles > 0)
     answer = ite(_moved(own) | (own.quiet < own.config.lead_cycles), AXLE_PASSED, ACCEPTED)
     answer = ite(counted, AXLES_COUNTED, answer)
     answer = ite(own.damped, HEAD_DAMPED, answer)
     answer = ite(own.fault, HEAD_FAULT, answer)
-    return ite(own.reset, answer, NOT_ASKED)
+    return ite(own.reset_requested, answer, NOT_ASKED)
 
 
 def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -116,8 +116,8 @@ def _table(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> Iterator[Tran
     answer, counted = _answer(own, current, table), _counted(own)
     quiet = ite(own.quiet >= own.config.lead_cycles, own.quiet, own.quiet + 1)
     always: Updates = {own.quiet: ite(_moved(own), as_num(0, COUNT), quiet), own.answer: answer}
-    fresh = together(always, {own.count: 0}, dict.fromkeys((*own.swept_from, *own.swept_to), False))
-    counts = together(always, {own.count: counted})
+    fresh = together(always, {own.counted_axles: 0}, dict.fromkeys((*own.swept_from, *own.swept_to), False))
+    counts = together(always, {own.counted_axles: counted})
     sweeps = together(counts, {passed: passed | (axles > 0) for passed, axles in _ways(own)})
     believed, all_out = (clear, occupied, sweeping), counted.eq(0) & ~own.damped
     wrong = own.fault | ~_possible(own)

@@ -17,12 +17,12 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
     """Return the lemmas: a believed count is true; a sweep's count differs from it by the axles that stood in the way."""
     _, clear, occupied, _, sweeping = table
     sweeps = current.eq(sweeping)
-    found_none = own.sweep.ne(NOBODY) & own.stood.eq(0)
+    found_none = own.sweep.ne(NOBODY) & own.true_axles_before_sweep.eq(0)
     return {
-        "a count that is believed is true": current.one_of(clear, occupied).implies(own.axles.eq(own.count)),
-        "clear is zero": current.eq(clear).implies(own.count.eq(0)),
-        "no fewer axles than are counted": sweeps.implies(own.axles >= own.count),
-        "a sweep that met nothing counts truly": (sweeps & found_none).implies(own.axles.eq(own.count)),
+        "a count that is believed is true": current.one_of(clear, occupied).implies(own.axles.eq(own.counted_axles)),
+        "clear is zero": current.eq(clear).implies(own.counted_axles.eq(0)),
+        "no fewer axles than are counted": sweeps.implies(own.axles >= own.counted_axles),
+        "a sweep that met nothing counts truly": (sweeps & found_none).implies(own.axles.eq(own.counted_axles)),
         "the ways of the sweep are known": sweeps.implies(_ways_known(own)),
     }
 

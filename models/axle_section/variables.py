@@ -37,10 +37,10 @@ class Parts:
     fault     a head is disturbed, knows no direction, or does not report
     damped    a wheel stands on a head
     reported_clear  the driver of the sweep reports that he left the section and found nothing in it
-    count     axles counted in less those counted out; quiet: cycles without an axle
+    counted_axles     axles counted in less those counted out; quiet: cycles without an axle
     swept_from, swept_to  since the reset, axles came in, went out, at that end
     axles     ghost: axles really in the section; true_into, true_out: those that really pass the heads in this cycle
-    sweep     ghost: progress of the sweep since the last request for reset; stood: axles in its way when it came in
+    sweep     ghost: progress of the sweep since the last request for reset; true_axles_before_sweep: axles in its way when it came in
     sweep_passes  head that the sweep's first or last axle passes in this cycle
     """
 
@@ -52,16 +52,16 @@ class Parts:
         self.out = tuple(declared.sensor(number(f"axles_out_{side}", COUNT, 0, most)) for side in SIDES)
         self.fault = declared.sensor(boolean("head_fault"))
         self.damped = declared.sensor(boolean("head_damped"))
-        self.reset = declared.sensor(boolean("reset_requested"))
+        self.reset_requested = declared.sensor(boolean("reset_requested"))
         self.reported_clear = declared.sensor(boolean("sweep_reported_clear"))
-        self.count = declared.state(number("counted_axles", COUNT, 0, limit), first=0)
+        self.counted_axles = declared.state(number("counted_axles", COUNT, 0, limit), first=0)
         self.quiet = declared.state(number("quiet_cycles", COUNT, 0, config.lead_cycles), first=0)
         self.answer = declared.state(choice("answer", enumeration(RESET)), first=NOT_ASKED)
         self.swept_from = tuple(declared.state(boolean(f"sweep_in_{side}"), first=False) for side in SIDES)
         self.swept_to = tuple(declared.state(boolean(f"sweep_out_{side}"), first=False) for side in SIDES)
         self.axles = declared.ghost(number("true_axles", COUNT, 0, 2 * limit), first=ANY)
         self.sweep = declared.ghost(choice("true_sweep", enumeration(_SWEEP)), first=NOBODY)
-        self.stood = declared.ghost(number("true_axles_before_sweep", COUNT, 0, 2 * limit), first=0)
+        self.true_axles_before_sweep = declared.ghost(number("true_axles_before_sweep", COUNT, 0, 2 * limit), first=0)
         self.true_into = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in SIDES)
         self.true_out = tuple(declared.choice(number(f"true_axles_out_{side}", COUNT, 0, most)) for side in SIDES)
         self.sweep_passes = declared.choice(choice("true_sweep_passes", enumeration(_PASSES)))

@@ -30,7 +30,11 @@ def world(own: Parts) -> World:
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
-        moves={own.axles: _axles_after(own), own.sweep: _sweep_after(own), own.stood: _stood_after(own)},
+        moves={
+            own.axles: _axles_after(own),
+            own.sweep: _sweep_after(own),
+            own.true_axles_before_sweep: _stood_after(own),
+        },
         clauses=_clauses(own),
     )
 
@@ -76,7 +80,7 @@ def _sweep_laws(own: Parts) -> dict[str, Bool | Law]:
             check="the rule book; times of request, passage and report",
         ),
         "who ran through saw all that stood in the section": Law(
-            (own.reported_clear & ran).implies(own.stood.eq(0)),
+            (own.reported_clear & ran).implies(own.true_axles_before_sweep.eq(0)),
             "A driver who ran on sight from one end to the other reports the section free only if nothing stood "
             "in it when he came in.",
             source="[D] running on sight",
@@ -114,9 +118,9 @@ def _sweep_after(own: Parts) -> Num:
     for head, where in inside_after.items():
         assert isinstance(where, Num)
         after = ite(own.sweep_passes.eq(head), where, after)
-    return ite(own.reset, NOBODY, after)
+    return ite(own.reset_requested, NOBODY, after)
 
 
 def _stood_after(own: Parts) -> Num:
     """Return the axles that stand in the section when the sweep comes in."""
-    return ite(own.sweep_passes.one_of(IN_LOW, IN_HIGH), own.axles, own.stood)
+    return ite(own.sweep_passes.one_of(IN_LOW, IN_HIGH), own.axles, own.true_axles_before_sweep)

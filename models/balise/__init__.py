@@ -165,10 +165,10 @@ def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[
 def _seen(own: Parts, cycle: Judgement) -> Updates:
     """Set by every transition: distance, direction of running, national value, and the verdict on the telegram."""
     _, direction = own.heading.after(own.odometer.distance)
-    received, national = own.national.received, own.national
+    received, national = own.national.national_accuracy, own.national
     accuracy: Updates = {
         national.known: national.known | received.present,
-        national.kept: ite(received.present, received.value, national.kept),
+        national.stored: ite(received.present, received.value, national.stored),
     }
     return together(own.odometer.listen(), direction, accuracy, {own.memory.verdict: cycle.verdict})
 
@@ -179,14 +179,18 @@ def _linking(own: Parts, cycle: Judgement) -> Updates:
     groups = linking.after(cycle.left, cycle.announcement)
     return together(
         *(_stores(slot, group) for slot, group in zip(linking.slots, groups, strict=True)),
-        {memory.given_up: cycle.given_up_after, memory.missed: cycle.missed_after, memory.refused: cycle.refused_after},
+        {
+            memory.given_up_group: cycle.given_up_after,
+            memory.missed_in_row: cycle.missed_after,
+            memory.refused_in_row: cycle.refused_after,
+        },
     )
 
 
 def _no_linking(own: Parts) -> Updates:
     """No group is announced, so none can be missed or refused."""
     memory, none = own.memory, as_num(0, COUNT)
-    nothing: Updates = {memory.given_up: none, memory.missed: none, memory.refused: none}
+    nothing: Updates = {memory.given_up_group: none, memory.missed_in_row: none, memory.refused_in_row: none}
     return together(*(_stores(slot, EMPTY) for slot in own.linking.slots), nothing)
 
 
@@ -200,13 +204,21 @@ def _stores(slot: Slot, group: Record) -> Updates:
 def _linking_outcome(own: Parts, cycle: Judgement) -> Updates:
     """The verdict on the announcement, the number of groups given up, and the reaction."""
     memory = own.memory
-    return {own.linking.last_verdict: cycle.announcement, memory.ended: cycle.ended, memory.reaction: cycle.reaction}
+    return {
+        own.linking.last_verdict: cycle.announcement,
+        memory.given_up_now: cycle.ended,
+        memory.linking_reaction_now: cycle.reaction,
+    }
 
 
 def _no_linking_outcome(own: Parts) -> Updates:
     """An announcement is refused, and there is no reaction."""
     refused = ite(own.linking.offered.silent, NOTHING, NOT_LOCATED)
-    return {own.linking.last_verdict: refused, own.memory.ended: as_num(0, COUNT), own.memory.reaction: NO_REACTION}
+    return {
+        own.linking.last_verdict: refused,
+        own.memory.given_up_now: as_num(0, COUNT),
+        own.memory.linking_reaction_now: NO_REACTION,
+    }
 
 
 def _group_counts(own: Parts, cycle: Judgement) -> Updates:
@@ -214,7 +226,7 @@ def _group_counts(own: Parts, cycle: Judgement) -> Updates:
     read, memory, here = own.read, own.memory, cycle.place
     group: Updates = {
         memory.group: read.group.value,
-        memory.place: here,
+        memory.last_group_position: here,
         memory.accuracy: cycle.accuracy,
         memory.run: abs_(read.since.value_or(as_num(0, MM))),
         memory.measured: read.since.present,
@@ -304,9 +316,9 @@ def _outputs(own: Parts, valid: Bool) -> dict[str, Expr]:
         "odometer": own.odometer.last_verdict,
         "telegram": memory.verdict,
         "linking": own.linking.last_verdict,
-        "reaction": memory.reaction,
-        "missed_in_row": memory.missed,
-        "refused_in_row": memory.refused,
+        "reaction": memory.linking_reaction_now,
+        "missed_in_row": memory.missed_in_row,
+        "refused_in_row": memory.refused_in_row,
         "wants_linking": valid & own.linking.slots[-1].group.eq(0),
         "expected": own.linking.slots[0].group,
         "direction": memory.direction,
@@ -346,8 +358,8 @@ def _alike(own: Parts) -> dict[str, Bool]:
     """Return the lemmas that machine and world store the same of the inputs."""
     seen, national, odometer = own.world, own.national, own.odometer
     found = {
-        "the national accuracy is the one received": seen.national.eq(
-            ite(national.known, national.kept, own.config.default_accuracy_mm)
+        "the national accuracy is the one received": seen.national_accuracy_sent.eq(
+            ite(national.known, national.stored, own.config.default_accuracy_mm)
         ),
         "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
         & own.heading.rolled.eq(seen.rolled),

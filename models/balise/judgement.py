@@ -177,7 +177,7 @@ class Judgement:
             (self.backwards, v.REVERSING),
             (self.announced, self._of_announced),
             (read.group.value.eq(memory.group), v.REPEATED),
-            (self.located & read.group.value.eq(memory.given_up), v.TOO_LATE),
+            (self.located & read.group.value.eq(memory.given_up_group), v.TOO_LATE),
             (self.free, self._of_free),
             (self.located & read.link.value.eq(UNLINKED), v.UNLINKED),
             (self.located, v.NOT_ANNOUNCED),
@@ -232,8 +232,8 @@ class Judgement:
     @cached_property
     def refused_after(self) -> Num:
         """Number of announced groups in a row that disagree, at most the limit; an accepted group resets it."""
-        in_row = minimum(self.own.memory.refused + 1, self.own.config.refusal_limit_groups)
-        return ite(self.accepted, as_num(0, COUNT), ite(self.disagrees, in_row, self.own.memory.refused))
+        in_row = minimum(self.own.memory.refused_in_row + 1, self.own.config.refusal_limit_groups)
+        return ite(self.accepted, as_num(0, COUNT), ite(self.disagrees, in_row, self.own.memory.refused_in_row))
 
     @cached_property
     def refuted(self) -> Bool:
@@ -282,7 +282,7 @@ class Judgement:
         trips = [gone & one.record.reaction.eq(TRAIN_TRIP) for gone, one in both]
         brakes = [gone & one.record.reaction.eq(SERVICE_BRAKE) for gone, one in both]
         wrong_way = self.announced & self.verdict.eq(v.WRONG_DIRECTION)
-        twice = (self.ended > 0) & (self.own.memory.missed + self.ended >= 2)
+        twice = (self.ended > 0) & (self.own.memory.missed_in_row + self.ended >= 2)
         return ite(any_of([*trips, wrong_way]), TRAIN_TRIP, ite(any_of([*brakes, twice]), SERVICE_BRAKE, NO_REACTION))
 
     @cached_property
@@ -308,12 +308,14 @@ class Judgement:
     def given_up_after(self) -> Num:
         """Identity of the last announced group that was given up; of several in one cycle, the farthest."""
         nearest_last = reversed(list(zip(self.given_up, self.sightings, strict=True)))
-        return first_of(*((gone, one.record.group) for gone, one in nearest_last), default=self.own.memory.given_up)
+        return first_of(
+            *((gone, one.record.group) for gone, one in nearest_last), default=self.own.memory.given_up_group
+        )
 
     @cached_property
     def missed_after(self) -> Num:
         """Number of announced groups given up in a row, at most 2; an accepted announced group resets it."""
-        in_row = minimum(self.own.memory.missed + self.ended, 2)
+        in_row = minimum(self.own.memory.missed_in_row + self.ended, 2)
         return ite(self.announced & self.accepted, as_num(0, COUNT), in_row)
 
     @cached_property
@@ -322,6 +324,6 @@ class Judgement:
         read, memory = self.own.read, self.own.memory
         oriented = read.passed.ne(UNKNOWN) & self.orientation.ne(UNKNOWN)
         beyond = memory.group.ne(0) & (
-            self.fix.low > exact_to(memory.place + self.own.config.antenna_mm, NM) + self.run_on.above
+            self.fix.low > exact_to(memory.last_group_position + self.own.config.antenna_mm, NM) + self.run_on.above
         )
         return ite(oriented | beyond, v.ALONG, memory.direction)

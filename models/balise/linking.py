@@ -175,20 +175,20 @@ def slot(declared: Declared, name: str, *, last_identity: int, position_limit_mm
 class National:
     """The national value for the location accuracy.
 
-    received     input
-    known, kept  state: a value was received, and the last one
+    national_accuracy     input
+    known, stored  state: a value was received, and the last one
     """
 
-    received: Optional
+    national_accuracy: Optional
     known: BoolVar
-    kept: NumVar
+    stored: NumVar
     default_mm: int
 
     @property
     def accuracy(self) -> Num:
         """The location accuracy where linking gives none, mm."""
         default = as_num(self.default_mm, MM)
-        return ite(self.received.present, self.received.value, ite(self.known, self.kept, default))
+        return ite(self.national_accuracy.present, self.national_accuracy.value, ite(self.known, self.stored, default))
 
 
 def national(declared: Declared, default_mm: int) -> National:
@@ -196,7 +196,7 @@ def national(declared: Declared, default_mm: int) -> National:
     return National(
         declared.sensor(optional("national_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM)),
         declared.state(boolean("national_accuracy_known"), first=False),
-        declared.state(number("national_accuracy_kept_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        declared.state(number("national_accuracy_stored_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         default_mm,
     )
 
@@ -261,5 +261,5 @@ def linking(declared: Declared, slots: int, *, last_identity: int, position_limi
     return Linking(
         tuple(slot(declared, name, **bounds) for name in names),
         announcement(declared, **bounds),
-        declared.state(choice("linking_judged", enumeration(_ANNOUNCED)), first=NOTHING),
+        declared.state(choice("linking_last_verdict", enumeration(_ANNOUNCED)), first=NOTHING),
     )

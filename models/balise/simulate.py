@@ -116,16 +116,16 @@ def _steps(config: BaliseConfig, motion: Motion, distances: Distances, runs: Run
     refuse_beyond_ranges(runs.on_board, runs.inputs)
     quiet, steps = Telegram({}, {}), Steps()
     own = {name: runs.inputs[name][:, 0] for name in _GHOSTS}
-    true = motion.step_nm
+    true = motion.distance_nm
     for cycle, place in enumerate(motion.position_nm):
         step: dict[str, Cell] = {"odometer_more_nm": distances.more(cycle)} if config.checked_distance else {}
         if distances.present[cycle]:
-            step["odometer_mm"] = int(distances.step_mm[cycle])
+            step["odometer_mm"] = int(distances.distance_mm[cycle])
         step |= runs.announced[0].get(cycle, {})
         if cycle == 0 and national_mm is not None:
             step["national_accuracy_mm"] = national_mm
         step |= runs.telegrams[0].get(cycle, quiet).cells
         step |= {name: int(values[cycle]) for name, values in own.items()}
-        step |= {"true_step_nm": int(true[cycle]), "odometer_next_wander_nm": int(distances.wander_nm[cycle])}
+        step |= {"true_cycle_distance_nm": int(true[cycle]), "odometer_next_wander_nm": int(distances.wander_nm[cycle])}
         steps.append({**step, "truth_mm": int(place) // NM_PER_MM})
     return steps

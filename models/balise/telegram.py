@@ -156,14 +156,14 @@ def _needed(declared: Declared, last_identity: int, age_limit_ms: int) -> _Neede
     )
 
 
-def _since(declared: Declared, max_step_mm: int) -> Optional:
-    return declared.sensor(optional("telegram_since_mm", MM, -10 * max_step_mm, 10 * max_step_mm))
+def _since(declared: Declared, max_cycle_distance_mm: int) -> Optional:
+    return declared.sensor(optional("telegram_since_mm", MM, -10 * max_cycle_distance_mm, 10 * max_cycle_distance_mm))
 
 
-def reading(declared: Declared, *, last_identity: int, max_step_mm: int, age_limit_ms: int) -> Reading:
+def reading(declared: Declared, *, last_identity: int, max_cycle_distance_mm: int, age_limit_ms: int) -> Reading:
     """Declare the inputs of a group reading of which no place is known, named `telegram_...`."""
     needed = _needed(declared, last_identity, age_limit_ms)
-    return Reading(*needed, _since(declared, max_step_mm), age_limit_ms)
+    return Reading(*needed, _since(declared, max_cycle_distance_mm), age_limit_ms)
 
 
 def telegram(
@@ -171,7 +171,7 @@ def telegram(
     *,
     last_identity: int,
     position_limit_mm: int,
-    max_step_mm: int,
+    max_cycle_distance_mm: int,
     age_limit_ms: int,
     reflector_reach_mm: int,
 ) -> Telegram:
@@ -181,7 +181,7 @@ def telegram(
     orientation = declared.sensor(chosen("telegram_orientation", ORIENTATION))
     return Telegram(
         *needed,
-        _since(declared, max_step_mm),
+        _since(declared, max_cycle_distance_mm),
         age_limit_ms,
         place,
         orientation,

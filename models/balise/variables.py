@@ -32,7 +32,7 @@ from safeloc.models.balise.linking import (
 from safeloc.models.balise.telegram import Reader, telegram
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.odometer import Heading, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
@@ -137,8 +137,8 @@ class BaliseConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap = self.gap_limit_cycles
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False
@@ -162,30 +162,30 @@ class BaliseConfig(Config):
 class Memory:
     """State: what the machine remembers of groups, and the outcome of the last cycle.
 
-    group, place     the last group that set the interval (accepted, or the candidate); 0: none
-    given_up         the last announced group whose expectation ended without acceptance; 0: none
-    missed           announced groups in a row that were given up, at most 2
-    ended            announced groups given up in this cycle
-    refused          announced groups in a row that were read whole, but not where or as announced; 0 after an accepted one
+    group, last_group_position     the last group that set the interval (accepted, or the candidate); 0: none
+    given_up_group         the last announced group whose expectation ended without acceptance; 0: none
+    missed_in_row           announced groups in a row that were given up, at most 2
+    given_up_now            announced groups given up in this cycle
+    refused_in_row          announced groups in a row that were read whole, but not where or as announced; 0 after an accepted one
     accuracy         location accuracy of the last group that set the interval
     run              distance measured since that group
     measured         `run` is the whole way: the group came with a latched counter, and no distance was missing since
     direction        ALONG once groups have shown that the vehicle runs along the route
-    verdict, reaction, reason   of the cycle: on the telegram, of linking, and why no position is reported
+    verdict, linking_reaction_now, reason   of the cycle: on the telegram, of linking, and why no position is reported
     """
 
     group: NumVar
-    place: NumVar
-    given_up: NumVar
-    missed: NumVar
-    ended: NumVar
-    refused: NumVar
+    last_group_position: NumVar
+    given_up_group: NumVar
+    missed_in_row: NumVar
+    given_up_now: NumVar
+    refused_in_row: NumVar
     accuracy: NumVar
     run: NumVar
     measured: BoolVar
     direction: NumVar
     verdict: NumVar
-    reaction: NumVar
+    linking_reaction_now: NumVar
     reason: NumVar
 
 
@@ -206,7 +206,7 @@ class Movement:
     """The true movement of a vehicle and its odometer's one-off error, each with its value after the cycle; nm."""
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
     wander: NumVar
     next_wander: NumVar
 
@@ -217,7 +217,7 @@ def movement(config: BaliseConfig) -> Movement:
     line = _line_nm(config)
     return Movement(
         number("truth_nm", NM, -line, line),
-        number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm),
+        number("true_cycle_distance_nm", NM, -limits.blind_nm, limits.blind_nm),
         number("odometer_wander_nm", NM, -half, half),
         number("odometer_next_wander_nm", NM, -half, half),
     )
@@ -230,13 +230,13 @@ def _line_nm(config: BaliseConfig) -> int:
 class Ghosts:
     """The variables of the world: the true place of the front end, and the true errors; nm.
 
-    truth, true_step        the front end, and its run in the cycle
+    truth, true_cycle_distance        the front end, and its run in the cycle
     wander, next_wander     the one-off part of the odometer's error, before the cycle and, freely chosen, after it
     last_delivered, silent  the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
     backwards, rolled       the direction of running as measured, and the distance run against it without a break, mm
-    national                the national location accuracy, as last received, mm
-    doubted                 the identity of the last group that lay far from its place, until another group serves; 0: none
-    spot                    the true place of balise 1 of the group that is read
+    national_accuracy_sent                the national location accuracy, as last received, mm
+    doubted_group                 the identity of the last group that lay far from its place, until another group serves; 0: none
+    read_place                    the true place of balise 1 of the group that is read
     true_since              the true run of the vehicle since the reading
     reading_wander          the one-off part of the odometer's error at the reading
     """
@@ -245,21 +245,26 @@ class Ghosts:
         limits, half, most = config.limits, config.odometer.wander_nm, LARGEST_ACCURACY_MM
         self.truth = declared.ghost(moved.truth, first=ANY)
         self.wander = declared.ghost(moved.wander, first=ANY)
-        received = number("national_accuracy_told_mm", MM, 0, most)
-        self.national = declared.ghost(received, first=config.default_accuracy_mm)
-        self.doubted = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
+        received = number("national_accuracy_sent_mm", MM, 0, most)
+        self.national_accuracy_sent = declared.ghost(received, first=config.default_accuracy_mm)
+        self.doubted_group = declared.ghost(number("doubted_group", COUNT, 0, config.last_group_identity), first=0)
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
-        self.last_delivered = number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm)
+        self.last_delivered = number(
+            "odometer_last_delivered_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm
+        )
         self.silent = number("odometer_silent_cycles", COUNT, 0, config.gap_limit_cycles + 1)
         if not config.checked_distance:
             declared.ghost(self.last_delivered, first=0)
             declared.ghost(self.silent, first=config.gap_limit_cycles + 1)
-        since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
+        since = (
+            20 * limits.max_cycle_distance_mm * NM_PER_MM
+            + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
+        )
         apart = _line_nm(config) + since + (config.antenna_mm + config.detection_mm) * NM_PER_MM
-        self.true_step = declared.choice(moved.true_step)
+        self.true_cycle_distance = declared.choice(moved.true_cycle_distance)
         self.next_wander = declared.choice(moved.next_wander)
-        self.spot = declared.choice(number("read_place_nm", NM, -apart, apart))
+        self.read_place = declared.choice(number("read_place_nm", NM, -apart, apart))
         self.true_since = declared.choice(number("true_since_nm", NM, -since, since))
         self.reading_wander = declared.choice(number("reading_wander_nm", NM, -half, half))
 
@@ -290,7 +295,7 @@ class Parts:
         self.read = telegram(
             declared,
             **lines,
-            max_step_mm=limits.max_step_mm,
+            max_cycle_distance_mm=limits.max_cycle_distance_mm,
             age_limit_ms=config.telegram_age_limit_ms,
             reflector_reach_mm=config.reflector_reach_mm,
         )
@@ -320,17 +325,17 @@ def _memory(declared: Declared, config: BaliseConfig) -> Memory:
     place, identities = config.position_limit_mm, config.last_group_identity
     return Memory(
         group=declared.state(number("last_group", COUNT, 0, identities), first=0),
-        place=declared.state(number("last_group_position_mm", MM, -place, place), first=0),
-        given_up=declared.state(number("given_up_group", COUNT, 0, identities), first=0),
-        missed=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
-        ended=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
-        refused=declared.state(number("refused_in_row", COUNT, 0, config.refusal_limit_groups), first=0),
-        accuracy=declared.state(number("charged_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
+        last_group_position=declared.state(number("last_group_position_mm", MM, -place, place), first=0),
+        given_up_group=declared.state(number("given_up_group", COUNT, 0, identities), first=0),
+        missed_in_row=declared.state(number("missed_in_row", COUNT, 0, 2), first=0),
+        given_up_now=declared.state(number("given_up_now", COUNT, 0, config.announced_groups), first=0),
+        refused_in_row=declared.state(number("refused_in_row", COUNT, 0, config.refusal_limit_groups), first=0),
+        accuracy=declared.state(number("added_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         run=declared.state(number("run_mm", MM, 0, FARTHEST_MM), first=0),
-        measured=declared.state(boolean("whole_run_measured"), first=False),
+        measured=declared.state(boolean("complete_run_measured"), first=False),
         direction=declared.state(choice("known_direction", enumeration(DIRECTION)), first=DIRECTION_UNKNOWN),
-        verdict=declared.state(choice("telegram_judged", enumeration(READ)), first=NONE),
-        reaction=declared.state(choice("linking_reaction_now", enumeration(REACTION)), first=NO_REACTION),
+        verdict=declared.state(choice("telegram_last_verdict", enumeration(READ)), first=NONE),
+        linking_reaction_now=declared.state(choice("linking_reaction_now", enumeration(REACTION)), first=NO_REACTION),
         reason=declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE),
     )
 
@@ -338,6 +343,6 @@ def _memory(declared: Declared, config: BaliseConfig) -> Memory:
 def _ahead(declared: Declared, name: str, config: BaliseConfig) -> Ahead:
     reach = config.position_limit_mm + config.reflector_reach_mm
     return Ahead(
-        declared.state(boolean(f"{name}_told"), first=False),
+        declared.state(boolean(f"{name}_place_known"), first=False),
         declared.state(number(f"{name}_place_mm", MM, -reach, reach), first=0),
     )

@@ -55,8 +55,8 @@ def world(own: Parts) -> World:
     moves: dict[Var, Expr] = {
         seen.truth: after(own),
         seen.wander: wander_after(own),
-        seen.national: national(own),
-        seen.doubted: _doubted(own),
+        seen.national_accuracy_sent: national(own),
+        seen.doubted_group: _doubted(own),
         **_rolling(own),
     }
     if not own.config.checked_distance:
@@ -88,7 +88,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
 
 def after(own: Parts) -> Num:
     """Return the place of the front end at the end of the cycle, nm."""
-    return own.world.truth + own.world.true_step
+    return own.world.truth + own.world.true_cycle_distance
 
 
 # ------------------------------------------------------------------ the vehicle and its odometer
@@ -132,7 +132,7 @@ def _further_error(own: Parts) -> Num:
 def _odometer_law(own: Parts) -> Law:
     seen, counts, config = own.world, can_be_run(own), own.config
     counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_step - counted - (wander_after(own) - seen.wander)
+    error = seen.true_cycle_distance - counted - (wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
     most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
     return Law(
@@ -192,7 +192,7 @@ def _against(own: Parts, mapped: Num) -> Bool:
 
 def _antenna_law(own: Parts) -> Law:
     seen, config = own.world, own.config
-    off = after(own) - seen.true_since - config.antenna_mm * NM_PER_MM - seen.spot
+    off = after(own) - seen.true_since - config.antenna_mm * NM_PER_MM - seen.read_place
     most = config.detection_mm * NM_PER_MM
     return Law(
         read_rightly(own.read).implies(between(-most, off, most)),
@@ -210,8 +210,8 @@ def _antenna_law(own: Parts) -> Law:
 
 def national(own: Parts) -> Num:
     """Return the location accuracy in force if linking gives none, mm."""
-    received = own.national.received
-    return ite(~received.present, own.world.national, received.value)
+    received = own.national.national_accuracy
+    return ite(~received.present, own.world.national_accuracy_sent, received.value)
 
 
 def _far_nm(own: Parts, accuracy: Num) -> Num:
@@ -226,7 +226,7 @@ def _far_nm(own: Parts, accuracy: Num) -> Num:
 
 def _off(own: Parts, place: Num) -> Num:
     """By how much the group lies beyond where the map has it, nm."""
-    return own.world.spot - exact_to(place, NM)
+    return own.world.read_place - exact_to(place, NM)
 
 
 def _near_or_far(own: Parts, place: Num, accuracy: Num) -> Bool:
@@ -289,7 +289,7 @@ def _rare_law(own: Parts) -> Law:
             "No group lies far from its place: the first group is trusted (trust_first_group).",
         )
     else:
-        term = (~own.world.doubted.eq(0)).implies(~false)
+        term = (~own.world.doubted_group.eq(0)).implies(~false)
         statement = (
             "After a group that lies far from its place, no second such group is read until a group of another identity is "
             "read that lies at its place and that a vehicle without a position can accept as its first."
@@ -302,7 +302,7 @@ def _rare_law(own: Parts) -> Law:
 
 def _doubted(own: Parts) -> Num:
     """The identity of the false group, until another one serves; 0: none."""
-    group, was = own.read.group.value, own.world.doubted
+    group, was = own.read.group.value, own.world.doubted_group
     clears = _serves(own) & group.ne(was)
     return ite(_far_off(own), group, ite(clears, as_num(0, COUNT), was))
 
@@ -338,4 +338,4 @@ def _fine_enough(own: Parts) -> Bool:
 
 def is_doubted(own: Parts, group: Num) -> Bool:
     """Return whether the group is the one that was false."""
-    return FALSE if own.config.trust_first_group else own.world.doubted.ne(0) & own.world.doubted.eq(group)
+    return FALSE if own.config.trust_first_group else own.world.doubted_group.ne(0) & own.world.doubted_group.eq(group)

@@ -47,7 +47,7 @@ def compose_machines(config: CountedEntryConfig | None = None) -> CountedEntry:
     verified = verification.build_doubted(verification.parts(config.verification))
     passed = train(config, counter.own, verified.own)
     wires: dict[Var, Expr] = {
-        passed.recorded: counter.machine.flag("record_sound"),
+        passed.record_is_undisturbed: counter.machine.flag("record_sound"),
         **_into_train(counter, passed),
         **_record(config, counter, verified),
         **_truth(passed, verified),
@@ -61,7 +61,13 @@ def compose_machines(config: CountedEntryConfig | None = None) -> CountedEntry:
 def _into_train(counter: AxleCounter, passed: Train) -> dict[Var, Expr]:
     """Return the wires of the counter's ghosts to the train of the record."""
     of, to = counter.own, passed.counted
-    return {to.axles: of.axles, to.length: of.length, to.run: of.run, to.speed: of.speed, to.upwards: of.last_up}
+    return {
+        to.axles: of.axles,
+        to.length: of.length,
+        to.run: of.run,
+        to.speed: of.speed,
+        to.upwards: of.last_axle_upwards,
+    }
 
 
 def _truth(passed: Train, verified: Verification) -> dict[Var, Expr]:
@@ -87,11 +93,11 @@ def _record(config: CountedEntryConfig, counter: AxleCounter, verified: Verifica
     place = ite(up, run[0], length[0] - run[1]), ite(up, run[1], length[1] - run[0])
     return {
         to.due: ready,
-        to.source: ite(ready, AXLE_COUNTER, NOBODY),
+        to.reference_from: ite(ready, AXLE_COUNTER, NOBODY),
         to.sound: machine.flag("record_sound"),
-        to.record_count: machine.output("record_axles"),
-        to.record_low: maximum(floor_to(length[0], MM), as_num(0, MM)),
-        to.record_high: maximum(ceil_to(length[1], MM), as_num(0, MM)),
+        to.record_axles: machine.output("record_axles"),
+        to.record_length_low: maximum(floor_to(length[0], MM), as_num(0, MM)),
+        to.record_length_high: maximum(ceil_to(length[1], MM), as_num(0, MM)),
         to.record_speed_low: ite(up, speed[0], -speed[1]),
         to.record_speed_high: ite(up, speed[1], -speed[0]),
         to.record_place_low: floor_to(place[0], MM) + config.counter_mm,

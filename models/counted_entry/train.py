@@ -50,14 +50,14 @@ class Counted:
 class Train:
     """The machine and its variables.
 
-    recorded  input: an undisturbed record comes in this cycle
+    record_is_undisturbed  input: an undisturbed record comes in this cycle
     counted   choices, wired to the counter's world
     axles, length, front, speed  ghosts: the train of the last record; whatever runs elsewhere moves freely
     overhang  ghost: from its outermost axle to its end
     """
 
     machine: Machine
-    recorded: BoolVar
+    record_is_undisturbed: BoolVar
     counted: Counted
     axles: NumVar
     length: NumVar

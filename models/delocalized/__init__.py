@@ -42,8 +42,8 @@ class DelocalizedConfig(Config):
 class Parts:
     """The variables of the machine and its world.
 
-    valid, reference, cause, position, above, below   inputs: outputs of the source
-    passed, passed_above, passed_below                state: the position that is passed on, and its margins
+    valid, reference_accepted, source_reason, position, above, below   inputs: outputs of the source
+    passed_position, passed_margin_above, passed_margin_below                state: the position that is passed on, and its margins
     reason                                            state: the latched reason
     truth, next_truth                                 ghosts: the true place before the step and after it, nm
     """
@@ -54,14 +54,14 @@ class Parts:
         reasons, reach = enumeration(REASON), (limit + 20 * tolerance) * NM_PER_MM
         self.tolerance_mm = tolerance
         self.valid = declared.sensor(boolean("source_valid"))
-        self.reference = declared.sensor(boolean("reference_accepted"))
-        self.cause = declared.sensor(choice("source_reason", reasons))
+        self.reference_accepted = declared.sensor(boolean("reference_accepted"))
+        self.source_reason = declared.sensor(choice("source_reason", reasons))
         self.position = declared.sensor(number("source_position_mm", MM, -limit, limit))
         self.above = declared.sensor(number("source_margin_above_mm", MM, 0, 10 * tolerance))
         self.below = declared.sensor(number("source_margin_below_mm", MM, 0, 10 * tolerance))
-        self.passed = declared.state(number("passed_position_mm", MM, -limit, limit), first=0)
-        self.passed_above = declared.state(number("passed_margin_above_mm", MM, 0, tolerance), first=0)
-        self.passed_below = declared.state(number("passed_margin_below_mm", MM, 0, tolerance), first=0)
+        self.passed_position = declared.state(number("passed_position_mm", MM, -limit, limit), first=0)
+        self.passed_margin_above = declared.state(number("passed_margin_above_mm", MM, 0, tolerance), first=0)
+        self.passed_margin_below = declared.state(number("passed_margin_below_mm", MM, 0, tolerance), first=0)
         self.reason = declared.state(choice("latched_reason", reasons), first=NO_REFERENCE)
         self.truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
@@ -71,8 +71,8 @@ class Parts:
         position, below, above = wired_interval(source)
         return {
             self.valid: source.flag("valid"),
-            self.reference: source.flag("reference_accepted"),
-            self.cause: source.output("reason"),
+            self.reference_accepted: source.flag("reference_accepted"),
+            self.source_reason: source.output("reason"),
             self.position: position,
             self.above: above,
             self.below: below,
@@ -101,9 +101,9 @@ def build(own: Parts) -> Machine:
         state=own.declared.states,
         outputs={
             "restrictive": current.eq(table[0]),
-            "position_mm": position_if(localized, own.passed),
-            "margin_above_mm": margin_if(localized, own.passed_above),
-            "margin_below_mm": margin_if(localized, own.passed_below),
+            "position_mm": position_if(localized, own.passed_position),
+            "margin_above_mm": margin_if(localized, own.passed_margin_above),
+            "margin_below_mm": margin_if(localized, own.passed_margin_below),
             "reason": own.reason,
         },
         transitions=_table(own, table),
@@ -123,7 +123,7 @@ def build(own: Parts) -> Machine:
         ),
         lemmas={
             "a passed position holds the truth": localized.implies(
-                _holds(own.passed, own.passed_below, own.passed_above, own.truth)
+                _holds(own.passed_position, own.passed_margin_below, own.passed_margin_above, own.truth)
             )
         },
         doc=(
@@ -139,16 +139,18 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> list[Transition]:
     delocalized, localized = table
     tolerable = (own.above <= own.tolerance_mm) & (own.below <= own.tolerance_mm)
     usable = own.valid & tolerable
-    stated = ite(own.valid, TOLERANCE, ite(own.cause.eq(LOCATED), NO_REFERENCE, own.cause))
-    nothing: Updates = {own.passed: 0, own.passed_above: 0, own.passed_below: 0}
+    stated = ite(own.valid, TOLERANCE, ite(own.source_reason.eq(LOCATED), NO_REFERENCE, own.source_reason))
+    nothing: Updates = {own.passed_position: 0, own.passed_margin_above: 0, own.passed_margin_below: 0}
     lost = together(nothing, {own.reason: stated})
     passed: Updates = {
-        own.passed: own.position, own.passed_above: own.above, own.passed_below: own.below, own.reason: LOCATED,
+        own.passed_position: own.position, own.passed_margin_above: own.above, own.passed_margin_below: own.below, own.reason: LOCATED,
     }  # fmt: skip
     return [
         Transition("position lost", localized, delocalized, ~usable, lost, ("MRK-D1", "MRK-D2"), 0),
         Transition("position passed on", localized, localized, TRUE, passed, ("MRK-D1",), 1),
-        Transition("reference accepted", delocalized, localized, usable & own.reference, passed, ("MRK-D1",), 1),
+        Transition(
+            "reference accepted", delocalized, localized, usable & own.reference_accepted, passed, ("MRK-D1",), 1
+        ),
         Transition("stay restrictive", delocalized, delocalized, TRUE, nothing, ("MRK-D2",), 2),
     ]
 

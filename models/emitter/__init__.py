@@ -71,9 +71,9 @@ def build(own: Parts) -> Emitter:
         outputs={
             "chain_tested": tested,
             "failed": current.eq(table[2]),
-            "heard": own.last_verdict,
-            "foreign_heard": own.last_verdict.eq(FOREIGN),
-            "next_due_in_cycles": own.config.due_cycles - own.since,
+            "verdict": own.last_verdict,
+            "foreign_pattern": own.last_verdict.eq(FOREIGN),
+            "next_due_in_cycles": own.config.due_cycles - own.since_passed,
         },
         transitions=list(_table(own, table)),
         world=world(own),
@@ -113,9 +113,13 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 def _clocks(own: Parts) -> Updates:
     """Advance both clocks. A pattern that counts restarts them in any mode; no request is forgotten before its time."""
     zero, heard = as_num(0, COUNT), verdict(own)
-    waited = ite(late(own), own.since, own.since + 1)
-    open_request = any_of([own.asked > 0, own.requested])
+    waited = ite(late(own), own.since_passed, own.since_passed + 1)
+    open_request = any_of([own.since_request > 0, own.requested])
     fresh: Num = ite(own.requested, as_num(1, COUNT), zero)
-    asked = ite(own.asked >= own.config.answer_cycles, fresh, ite(open_request, own.asked + 1, zero))
+    asked = ite(own.since_request >= own.config.answer_cycles, fresh, ite(open_request, own.since_request + 1, zero))
     passes = heard.eq(PASSED)
-    return {own.since: ite(passes, zero, waited), own.asked: ite(passes, zero, asked), own.last_verdict: heard}
+    return {
+        own.since_passed: ite(passes, zero, waited),
+        own.since_request: ite(passes, zero, asked),
+        own.last_verdict: heard,
+    }

@@ -8,17 +8,17 @@ from safeloc.models.emitter.variables import ELSEWHERE, FOREIGN, NO_PLACE, NOT_D
 
 def due(own: Parts) -> Bool:
     """Return the condition that a pattern may come now: at its regular time, or because a request is open."""
-    return (own.since + 1 >= own.config.due_cycles - own.config.window_cycles) | (own.asked > 0)
+    return (own.since_passed + 1 >= own.config.due_cycles - own.config.window_cycles) | (own.since_request > 0)
 
 
 def late(own: Parts) -> Bool:
     """Return the condition that the regular pattern is late in this cycle."""
-    return own.since >= own.config.due_cycles
+    return own.since_passed >= own.config.due_cycles
 
 
 def overdue(own: Parts) -> Bool:
     """Return the condition that the regular pattern, or the answer to a request, is late in this cycle."""
-    return late(own) | (own.asked >= own.config.answer_cycles)
+    return late(own) | (own.since_request >= own.config.answer_cycles)
 
 
 def near(own: Parts) -> Bool:

@@ -41,8 +41,8 @@ class Parts:
 
     pattern, place  recognised pattern of this cycle, and its place along the track
     requested       the host requests the emitter's pattern in this cycle
-    since           cycles since the last pattern that counted
-    asked           cycles since an open request, 0: none is open
+    since_passed           cycles since the last pattern that counted
+    since_request           cycles since an open request, 0: none is open
     passes          patterns that counted since the failure
     works           ghost: the whole chain works
     silent          ghost: remaining cycles in which the emitter is silent unless its pattern is requested
@@ -56,10 +56,10 @@ class Parts:
         self.pattern = declared.sensor(optional("heard_pattern", COUNT, 0, 2**_MOST_BITS - 1))
         self.place = declared.sensor(optional("heard_place_mm", MM, -far, far))
         self.requested = declared.sensor(boolean("test_requested"))
-        self.since = declared.state(number("since_passed_cycles", COUNT, 0, config.due_cycles), first=0)
-        self.asked = declared.state(number("since_request_cycles", COUNT, 0, config.answer_cycles), first=0)
+        self.since_passed = declared.state(number("since_passed_cycles", COUNT, 0, config.due_cycles), first=0)
+        self.since_request = declared.state(number("since_request_cycles", COUNT, 0, config.answer_cycles), first=0)
         self.passes = declared.state(number("passes", COUNT, 0, config.passes_to_recover), first=0)
-        self.last_verdict = declared.state(choice("judged", enumeration(HEARD)), first=NOTHING)
+        self.last_verdict = declared.state(choice("last_verdict", enumeration(HEARD)), first=NOTHING)
         self.works = declared.ghost(boolean("chain_works"), first=True)
         self.silent = declared.ghost(number("emitter_silent_cycles", COUNT, 0, silence), first=silence)
         self.may_answer = declared.ghost(number("emitter_may_answer_cycles", COUNT, 0, config.answer_cycles), first=0)

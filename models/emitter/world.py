@@ -67,9 +67,9 @@ def _asked(own: Parts) -> Num:
 
 def lemmas(own: Parts) -> dict[str, Bool]:
     """Return the lemmas: the machine's clocks and those of the emitter run together."""
-    since_heard = own.silent.high - own.since
-    answers = own.config.answer_cycles + 1 - own.asked
+    since_heard = own.silent.high - own.since_passed
+    answers = own.config.answer_cycles + 1 - own.since_request
     return {
         "the machine knows for how long the emitter is silent": own.silent.eq(maximum(since_heard, 0)),
-        "the machine knows whether the emitter may answer": own.may_answer.eq(ite(own.asked > 0, answers, 0)),
+        "the machine knows whether the emitter may answer": own.may_answer.eq(ite(own.since_request > 0, answers, 0)),
     }

@@ -105,11 +105,15 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:
     waiting, counting, located, faulted = table
     every_cycle, no_signal = _every_cycle(own, cycle), _signal(own, v.NO_SIGNAL)
-    referred: Updates = {own.base: own.reference_place, own.count: own.reference_count, own.counted: FALSE}
+    referred: Updates = {
+        own.edge: own.reference_position,
+        own.sections_counted: own.reference_count,
+        own.counted: FALSE,
+    }
     lost: Updates = {own.why: ite(cycle.silent, v.SILENT, v.TOO_WIDE)}
     normal = cycle.band.eq(v.NORMAL)
     yield Transition(
-        "reference accepted", table, located, own.reference & normal,
+        "reference accepted", table, located, own.reference_accepted & normal,
         together(every_cycle, no_signal, _no_run(own), _no_word(own), referred, {own.why: v.LOCATED}), COUNTS, 0)  # fmt: skip
     yield Transition(
         "pattern lost", (counting, located), waiting, cycle.silent | cycle.too_wide,
@@ -128,24 +132,24 @@ def _located(own: Parts, cycle: Cycle, located: Lit, faulted: Lit) -> Iterator[T
     """Yield the rows of LOCATED: the count identifies the section."""
     every_cycle, edge = _every_cycle(own, cycle), _from_edge(own, cycle)
     _, near, far, _, long = own.next_to(cycle.forwards)
-    error: Updates = {own.signal: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL), own.why: cycle.flaw}
-    entered: Updates = {own.base: near, own.far: far, own.long: long}
+    error: Updates = {own.event: ite(cycle.enters, v.POSITION_SIGNAL, v.NO_SIGNAL), own.why: cycle.flaw}
+    entered: Updates = {own.edge: near, own.far_edge: far, own.long_by_map: long}
     yield Transition(
         "error", located, faulted, cycle.error,
         together(every_cycle, _no_run(own), _no_word(own), _no_place(own), _no_count(own), error),
         (*CHECKED, *CODE, *COUNTS), 2)  # fmt: skip
     yield Transition(
         "section counted", located, located, cycle.enters,
-        together(every_cycle, _entered(own, cycle, own.count + cycle.one), entered), (*SEEN, *COUNTS), 3)  # fmt: skip
+        together(every_cycle, _entered(own, cycle, own.sections_counted + cycle.one), entered), (*SEEN, *COUNTS), 3)  # fmt: skip
     yield Transition(
         "section passed", located, located, cycle.leaves & ~cycle.turned_back,
-        together(every_cycle, edge, {own.signal: v.PASSED, own.base: own.far}), (*SEEN, *CODE), 3)  # fmt: skip
+        together(every_cycle, edge, {own.event: v.PASSED, own.edge: own.far_edge}), (*SEEN, *CODE), 3)  # fmt: skip
     yield Transition(
         "section left again", located, located, cycle.leaves & cycle.turned_back,
-        together(every_cycle, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}), (*SEEN, *COUNTS), 3)  # fmt: skip
+        together(every_cycle, edge, {own.event: v.TURNED_BACK, own.sections_counted: cycle.uncounted}), (*SEEN, *COUNTS), 3)  # fmt: skip
     yield Transition(
         "run on", located, located, TRUE,
-        together(every_cycle, _run_on(own, cycle), {own.signal: v.NO_SIGNAL}), CHECKED, 6)  # fmt: skip
+        together(every_cycle, _run_on(own, cycle), {own.event: v.NO_SIGNAL}), CHECKED, 6)  # fmt: skip
 
 
 def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Lit) -> Iterator[Transition]:
@@ -153,22 +157,22 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
     every_cycle, edge, on = _every_cycle(own, cycle), _from_edge(own, cycle), _run_on(own, cycle)
     no_signal, passed = _signal(own, v.NO_SIGNAL), _signal(own, v.PASSED)
     turns = own.counted & cycle.forwards.iff(~own.upwards)
-    turned: Updates = {own.word: ite(turns, 0, own.word), own.read: ite(turns, 0, own.read)}
-    found: Updates = {own.count: own.answer_count, own.base: own.answer_place, own.why: v.LOCATED}
-    complete = own.answer & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
+    turned: Updates = {own.word_read: ite(turns, 0, own.word_read), own.read: ite(turns, 0, own.read)}
+    found: Updates = {own.sections_counted: own.word_count, own.edge: own.word_position, own.why: v.LOCATED}
+    complete = own.word_found & (own.read >= own.config.window) & own.band.eq(v.NORMAL) & cycle.band.eq(v.NORMAL)
     yield Transition(
         "no end of the section", counting, waiting, cycle.endless | (cycle.enters & cycle.full),
         together(every_cycle, no_signal, _no_run(own), _no_word(own), _no_place(own), _no_count(own),
                  {own.why: v.NO_END_OF_SECTION}), SEEN, 2)  # fmt: skip
     yield Transition(
         "signal counted", counting, counting, cycle.enters,
-        together(every_cycle, _entered(own, cycle, own.count + cycle.one), turned), (*SEEN, *COUNTS), 3)  # fmt: skip
+        together(every_cycle, _entered(own, cycle, own.sections_counted + cycle.one), turned), (*SEEN, *COUNTS), 3)  # fmt: skip
     yield Transition(
         "symbol read", counting, counting, cycle.read,
-        together(every_cycle, edge, passed, {own.word: cycle.word, own.read: cycle.word_length}), CODE, 3)  # fmt: skip
+        together(every_cycle, edge, passed, {own.word_read: cycle.word, own.read: cycle.word_length}), CODE, 3)  # fmt: skip
     yield Transition(
         "section left again, uncounted", counting, counting, cycle.leaves & cycle.turned_back,
-        together(every_cycle, edge, {own.signal: v.TURNED_BACK, own.count: cycle.uncounted}, _no_word(own)),
+        together(every_cycle, edge, {own.event: v.TURNED_BACK, own.sections_counted: cycle.uncounted}, _no_word(own)),
         COUNTS, 3)  # fmt: skip
     yield Transition(
         "symbol not read", counting, counting, cycle.leaves & ~cycle.turned_back,
@@ -183,43 +187,48 @@ def _counting(own: Parts, cycle: Cycle, waiting: Lit, counting: Lit, located: Li
 
 def _every_cycle(own: Parts, cycle: Cycle) -> Updates:
     """Set amplitude band, direction, and how long run and amplitude have been absent: in every row."""
-    return {own.band: cycle.band, own.forwards: cycle.forwards, own.gap: cycle.gap, own.unheard: cycle.unheard}
+    return {
+        own.band: cycle.band,
+        own.forwards: cycle.forwards,
+        own.silent_cycles: cycle.gap,
+        own.run_since_amplitude: cycle.unheard,
+    }
 
 
 def _signal(own: Parts, signal: Lit) -> Updates:
-    return {own.signal: signal}
+    return {own.event: signal}
 
 
 def _run_on(own: Parts, cycle: Cycle) -> Updates:
     """Continue the run and its error bound: no edge in this cycle."""
-    return {own.since: cycle.since, own.drift: cycle.drift}
+    return {own.run_since_edge: cycle.since, own.drift: cycle.drift}
 
 
 def _from_edge(own: Parts, cycle: Cycle) -> Updates:
     """Begin the run anew: the end passed an edge."""
-    return {own.since: 0, own.drift: cycle.fresh}
+    return {own.run_since_edge: 0, own.drift: cycle.fresh}
 
 
 def _entered(own: Parts, cycle: Cycle, count: Num) -> Updates:
     """Count a position signal, and begin the run anew at the edge of the section entered."""
-    counted: Updates = {own.count: count, own.counted: TRUE, own.upwards: cycle.forwards}
+    counted: Updates = {own.sections_counted: count, own.counted: TRUE, own.upwards: cycle.forwards}
     return together(_from_edge(own, cycle), _signal(own, v.POSITION_SIGNAL), counted)
 
 
 def _no_run(own: Parts) -> Updates:
-    return {own.since: 0, own.drift: 0}
+    return {own.run_since_edge: 0, own.drift: 0}
 
 
 def _no_place(own: Parts) -> Updates:
-    return {own.base: 0, own.far: 0}
+    return {own.edge: 0, own.far_edge: 0}
 
 
 def _no_word(own: Parts) -> Updates:
-    return {own.word: 0, own.read: 0}
+    return {own.word_read: 0, own.read: 0}
 
 
 def _no_count(own: Parts) -> Updates:
-    return {own.count: 0, own.counted: FALSE}
+    return {own.sections_counted: 0, own.counted: FALSE}
 
 
 # ------------------------------------------------------------------ outputs
@@ -231,17 +240,17 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     margin = own.config.edge_tolerance_mm + ceil_to(own.drift, MM)
     return {
         "valid": located,
-        "position_mm": position_if(located, own.base + own.since),
+        "position_mm": position_if(located, own.edge + own.run_since_edge),
         "margin_above_mm": margin_if(located, margin),
         "margin_below_mm": margin_if(located, margin),
         "error": current.eq(table[3]),
-        "position_signal": own.signal.eq(v.POSITION_SIGNAL),
-        "section_event": own.signal,
+        "position_signal": own.event.eq(v.POSITION_SIGNAL),
+        "section_event": own.event,
         "in_section": own.band.ne(v.NORMAL),
         "count_known": counts,
-        "count": ite(counts | located, own.count, as_num(0, COUNT)),
+        "count": ite(counts | located, own.sections_counted, as_num(0, COUNT)),
         "forwards": own.forwards,
-        "word": own.word,
+        "word": own.word_read,
         "word_length": own.read,
         "reason": own.why,
     }
@@ -253,22 +262,31 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
 def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     counting, located = current.eq(table[1]), current.eq(table[2])
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
-    of_map = [seen.of_map, seen.real, seen.edge.eq(exact_to(own.base, NM)), seen.far.eq(own.far)]
-    onwards = ite(own.upwards, own.base < own.far, own.far < own.base)
-    as_read = [own.long.iff(seen.long), onwards]
+    of_map = [
+        seen.section_is_the_maps,
+        seen.real,
+        seen.edge.eq(exact_to(own.edge, NM)),
+        seen.far_edge_on_map.eq(own.far_edge),
+    ]
+    onwards = ite(own.upwards, own.edge < own.far_edge, own.far_edge < own.edge)
+    as_read = [own.long_by_map.iff(seen.long_on_map), onwards]
     return {
         "a section can be uncounted": (inside & (counting | located)).implies(
             abs_(cycle.uncounted) <= own.config.section_limit
         ),
         "machine and world follow the same amplitude": all_of(
-            [own.band.eq(seen.band), own.forwards.iff(seen.upwards), own.unheard.eq(seen.unheard)]
+            [
+                own.band.eq(seen.band),
+                own.forwards.iff(seen.upwards),
+                own.run_since_amplitude.eq(seen.possible_run_since_amplitude),
+            ]
         ),
-        "the run's error bound equals the world's": (counting | located).implies(own.drift.eq(seen.wrong)),
+        "the run's error bound equals the world's": (counting | located).implies(own.drift.eq(seen.measured_run_error)),
         "the run since the last edge is true": counting.implies(_within(own, seen.truth - seen.edge)),
-        "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.base, NM))),
+        "the interval holds the truth": located.implies(_within(own, seen.truth - exact_to(own.edge, NM))),
         "the section entered is the map's": (located & inside).implies(all_of([*of_map, *as_read])),
         "the world tracks the difference of the counts": (located & inside).implies(
-            seen.ahead_by.eq(seen.count - own.count)
+            seen.ahead_by.eq(seen.count - own.sections_counted)
         ),
     }
 
@@ -276,4 +294,4 @@ def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
 def _within(own: Parts, ran: Num) -> Bool:
     """Return the condition that `ran` is the run since the last edge, within the edge's tolerance and the error bound of the run."""
     most = own.drift + own.config.edge_tolerance_mm * NM_PER_MM
-    return between(-most, ran - exact_to(own.since, NM), most)
+    return between(-most, ran - exact_to(own.run_since_edge, NM), most)

@@ -67,12 +67,12 @@ class Cycle:
         own, config = self.own, self.own.config
         rate = abs_(own.run.value) * Lit(config.rate_ppm, PPM)
         moved = ite(own.run.value.eq(0), as_num(0, NM), rate + config.floor_mm * NM_PER_MM)
-        return ite(own.run.present, moved, Lit(config.max_step_mm * NM_PER_MM, NM))
+        return ite(own.run.present, moved, Lit(config.max_cycle_distance_mm * NM_PER_MM, NM))
 
     @cached_property
     def since(self) -> Num:
         """Run since the last edge, after the cycle."""
-        return self.own.since + ite(self.own.run.present, self.own.run.value, 0)
+        return self.own.run_since_edge + ite(self.own.run.present, self.own.run.value, 0)
 
     @cached_property
     def drift(self) -> Num:
@@ -88,7 +88,11 @@ class Cycle:
     def fresh(self) -> Num:
         """Greatest run since the last amplitude, nm: the end may have passed an edge anywhere in it."""
         own = self.own
-        return own.unheard + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM)) + self.added_error
+        return (
+            own.run_since_amplitude
+            + ite(own.run.present, exact_to(abs_(own.run.value), NM), as_num(0, NM))
+            + self.added_error
+        )
 
     @cached_property
     def edge_slack(self) -> Num:
@@ -98,17 +102,17 @@ class Cycle:
     @cached_property
     def late(self) -> Bool:
         """The amplitude was absent for so much run that an edge seen in this cycle cannot be placed within the tolerance."""
-        return self.own.unheard > self._room
+        return self.own.run_since_amplitude > self._room
 
     @cached_property
     def place(self) -> Num:
         """Middle of the interval after the cycle, without an edge."""
-        return self.own.base + self.since
+        return self.own.edge + self.since
 
     @cached_property
     def silent(self) -> Bool:
         """The detector has not followed the pattern for too long."""
-        return ~self.own.run.present & (self.own.gap >= self.own.config.gap_limit_cycles)
+        return ~self.own.run.present & (self.own.silent_cycles >= self.own.config.gap_limit_cycles)
 
     @cached_property
     def too_wide(self) -> Bool:
@@ -172,7 +176,7 @@ class Cycle:
     @cached_property
     def full(self) -> Bool:
         """The range of section numbers is exhausted."""
-        return abs_(self.own.count + self.one) > self.own.config.section_limit
+        return abs_(self.own.sections_counted + self.one) > self.own.config.section_limit
 
     @cached_property
     def overdue(self) -> Bool:
@@ -185,7 +189,7 @@ class Cycle:
     @cached_property
     def wrong_length(self) -> Bool:
         """The section left is not the one that the map has there, or its length cannot be read."""
-        passed = self.read & self.reads_long.iff(self.own.long)
+        passed = self.read & self.reads_long.iff(self.own.long_by_map)
         return self.leaves & ~self.turned_back & ~passed
 
     @cached_property
@@ -198,14 +202,14 @@ class Cycle:
     def flight_differs(self) -> Bool:
         """The time of flight gives another place."""
         place, slack = self.compared
-        seen = self.own.flight
+        seen = self.own.flight_position
         return seen.present & (abs_(seen.value - place) > self.own.config.flight_threshold_mm + slack)
 
     @cached_property
     def reflection_differs(self) -> Bool:
         """The pattern coincides with a reflecting point at another place."""
         place, slack = self.compared
-        seen = self.own.reflection
+        seen = self.own.reflecting_point
         return seen.present & (abs_(seen.value - place) > self.own.config.reflection_threshold_mm + slack)
 
     @cached_property
@@ -240,18 +244,22 @@ class Cycle:
     @cached_property
     def uncounted(self) -> Num:
         """The count without the section that the end left where it had entered."""
-        return self.own.count + ite(self.own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
+        return self.own.sections_counted + ite(self.own.upwards, as_num(-1, COUNT), as_num(1, COUNT))
 
     @cached_property
     def gap(self) -> Num:
         """Cycles since the detector last followed the pattern."""
         own = self.own
-        return ite(own.run.present, as_num(0, COUNT), ite(own.gap >= own.gap.high, own.gap, own.gap + 1))
+        return ite(
+            own.run.present,
+            as_num(0, COUNT),
+            ite(own.silent_cycles >= own.silent_cycles.high, own.silent_cycles, own.silent_cycles + 1),
+        )
 
     @cached_property
     def unheard(self) -> Num:
         """Greatest run since the last amplitude, nm, up to the limit that is still told apart."""
-        return ite(self.own.amplitude.present, as_num(0, NM), minimum(self.fresh, self.own.unheard.high))
+        return ite(self.own.amplitude.present, as_num(0, NM), minimum(self.fresh, self.own.run_since_amplitude.high))
 
     @cached_property
     def word(self) -> Num:
@@ -261,7 +269,7 @@ class Cycle:
             self.reads_long, as_num(1, COUNT), 0
         )
         oldest: int = v.SYMBOLS ** (own.config.window - 1)
-        kept = own.word - floor_div(own.word, oldest) * oldest
+        kept = own.word_read - floor_div(own.word_read, oldest) * oldest
         return kept * v.SYMBOLS + symbol
 
     @cached_property

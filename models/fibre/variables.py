@@ -91,7 +91,7 @@ class FibreConfig(Config):
         return self.tolerance_mm * NM_PER_MM
 
     @property
-    def max_step_mm(self) -> int:
+    def max_cycle_distance_mm(self) -> int:
         """Greatest run of one cycle, mm rounded up."""
         return -(-self.max_speed_mm_s * self.period_ms // MS_PER_S)
 
@@ -112,56 +112,56 @@ class Parts:
 
     amplitude        the pattern's amplitude at this end, over its normal
     run              the end's run in this cycle along the line, from the pattern alone
-    flight           position by the time of flight (1/2 T V, cable map applied)
-    reflection       place of the reflecting point with which the pattern coincides
+    flight_position           position by the time of flight (1/2 T V, cable map applied)
+    reflecting_point       place of the reflecting point with which the pattern coincides
     ahead, behind    the map's sections number count + 1 and count
-    reference        an accepted reference: number of sections below it, and its place
-    answer           the map's answer to the word read: number of sections below, and place of the edge passed last
-    band             amplitude: normal, or changed by a section; count: sections below the front, or signals so far
+    reference_accepted        an accepted reference: number of sections below it, and its place
+    word_found           the map's answer to the word read: number of sections below, and place of the edge passed last
+    band             amplitude: normal, or changed by a section; sections_counted: sections below the front, or signals so far
     counted          some signal was counted; forwards: the last direction of running
-    base, since      place of the last edge (while located), and the run since; drift: greatest error of that run
-    unheard          greatest run of the end since the last amplitude
-    upwards, far, long   of the section being passed: entered upwards; its other edge; its length on the map
-    word, read       the last symbols read, and their number
+    edge, run_since_edge      place of the last edge (while located), and the run since; drift: greatest error of that run
+    run_since_amplitude          greatest run of the end since the last amplitude
+    upwards, far_edge, long_by_map   of the section being passed: entered upwards; its other edge; its length on the map
+    word_read, read       the last symbols read, and their number
     ghosts           variables of the world
     """
 
     def __init__(self, config: FibreConfig) -> None:
         self.declared = declared = Declared()
-        limit, step = config.position_limit_mm, config.max_step_mm
+        limit, step = config.position_limit_mm, config.max_cycle_distance_mm
         far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
         self.config = config
         self.amplitude = declared.sensor(optional("amplitude_cdb", CDB, -10_000, 10_000))
         self.run = declared.sensor(optional("run_mm", MM, -step, step))
-        self.flight = declared.sensor(optional("flight_position_mm", MM, -limit, limit))
-        self.reflection = declared.sensor(optional("reflecting_point_mm", MM, -limit, limit))
+        self.flight_position = declared.sensor(optional("flight_position_mm", MM, -limit, limit))
+        self.reflecting_point = declared.sensor(optional("reflecting_point_mm", MM, -limit, limit))
         self.ahead = _record(declared, "ahead", limit)
         self.behind = _record(declared, "behind", limit)
-        self.reference = declared.sensor(boolean("reference_accepted"))
+        self.reference_accepted = declared.sensor(boolean("reference_accepted"))
         self.reference_count = declared.sensor(number("reference_count", COUNT, 0, config.section_limit))
-        self.reference_place = declared.sensor(number("reference_position_mm", MM, -limit, limit))
-        self.answer = declared.sensor(boolean("word_found"))
-        self.answer_count = declared.sensor(number("word_count", COUNT, 0, config.section_limit))
-        self.answer_place = declared.sensor(number("word_position_mm", MM, -limit, limit))
-        self.count = declared.state(
+        self.reference_position = declared.sensor(number("reference_position_mm", MM, -limit, limit))
+        self.word_found = declared.sensor(boolean("word_found"))
+        self.word_count = declared.sensor(number("word_count", COUNT, 0, config.section_limit))
+        self.word_position = declared.sensor(number("word_position_mm", MM, -limit, limit))
+        self.sections_counted = declared.state(
             number("sections_counted", COUNT, -config.section_limit, config.section_limit), first=0
         )
-        self.base = declared.state(number("edge_mm", MM, -limit, limit), first=0)
-        self.since = declared.state(number("run_since_edge_mm", MM, -far, far), first=0)
+        self.edge = declared.state(number("edge_mm", MM, -limit, limit), first=0)
+        self.run_since_edge = declared.state(number("run_since_edge_mm", MM, -far, far), first=0)
         self.drift = declared.state(number("drift_nm", NM, 0, drift), first=0)
-        self.gap = declared.state(number("silent_cycles", COUNT, 0, config.gap_limit_cycles), first=0)
-        self.far = declared.state(number("far_edge_mm", MM, -limit, limit), first=0)
-        self.word = declared.state(number("word_read", COUNT, 0, SYMBOLS**config.window - 1), first=0)
+        self.silent_cycles = declared.state(number("silent_cycles", COUNT, 0, config.gap_limit_cycles), first=0)
+        self.far_edge = declared.state(number("far_edge_mm", MM, -limit, limit), first=0)
+        self.word_read = declared.state(number("word_read", COUNT, 0, SYMBOLS**config.window - 1), first=0)
         self.read = declared.state(number("symbols_read", COUNT, 0, config.window), first=0)
         self.counted = declared.state(boolean("signal_counted"), first=False)
         self.upwards = declared.state(boolean("entered_upwards"), first=False)
-        self.long = declared.state(boolean("long_by_map"), first=False)
-        self.unheard = declared.state(
-            number("run_unheard_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
+        self.long_by_map = declared.state(boolean("long_by_map"), first=False)
+        self.run_since_amplitude = declared.state(
+            number("run_since_amplitude_nm", NM, 0, config.unheard_limit_nm), first=config.unheard_limit_nm
         )
         self.forwards = declared.state(boolean("runs_forwards"), first=True)
         self.band = declared.state(choice("band", enumeration(_BAND)), first=NORMAL)
-        self.signal = declared.state(choice("event", enumeration(SIGNAL)), first=NO_SIGNAL)
+        self.event = declared.state(choice("event", enumeration(SIGNAL)), first=NO_SIGNAL)
         self.why = declared.state(choice("why", enumeration(WHY)), first=NO_SIGNAL_YET)
         self.ghosts = ghosts(declared, _BAND, limit, step, config.section_limit, config.tolerance_mm)
 

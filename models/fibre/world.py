@@ -47,13 +47,15 @@ def world(own: Parts) -> World:
         choices=own.declared.choices,
         moves={
             seen.truth: now.after,
-            seen.edge: ite(now.edge, seen.spot, seen.edge),
+            seen.edge: ite(now.edge, seen.next_true_edge, seen.edge),
             seen.count: seen.next_count,
             seen.real: seen.next_real,
             seen.band: now.band,
             seen.upwards: now.upwards,
-            seen.unheard: ite(own.amplitude.present, as_num(0, NM), minimum(now.unheard, seen.unheard.high)),
-            seen.wrong: now.wrong_after,
+            seen.possible_run_since_amplitude: ite(
+                own.amplitude.present, as_num(0, NM), minimum(now.unheard, seen.possible_run_since_amplitude.high)
+            ),
+            seen.measured_run_error: now.wrong_after,
             **_entered(own, now),
         },
         clauses=_laws(own, now),
@@ -65,10 +67,12 @@ def _entered(own: Parts, now: Passing) -> dict[Var, Expr]:
     """Return the moves of the ghosts of a section: at its entry they take the map's section in this direction."""
     seen, met = own.ghosts, now.met
     return {
-        seen.of_map: ite(now.enters, now.alike & seen.spot.eq(exact_to(met.near, NM)), seen.of_map),
-        seen.far: ite(now.enters, met.far, seen.far),
-        seen.long: ite(now.enters, met.long, seen.long),
-        seen.ahead_by: ite(now.enters, seen.count - own.count, seen.ahead_by),
+        seen.section_is_the_maps: ite(
+            now.enters, now.alike & seen.next_true_edge.eq(exact_to(met.near, NM)), seen.section_is_the_maps
+        ),
+        seen.far_edge_on_map: ite(now.enters, met.far, seen.far_edge_on_map),
+        seen.long_on_map: ite(now.enters, met.long, seen.long_on_map),
+        seen.ahead_by: ite(now.enters, seen.count - own.sections_counted, seen.ahead_by),
     }
 
 
@@ -160,19 +164,19 @@ class Passing:
     @cached_property
     def unheard(self) -> Num:
         """Measured run since the last amplitude, plus its greatest error, nm."""
-        return self.own.ghosts.unheard + self.size_nm + self.error_nm
+        return self.own.ghosts.possible_run_since_amplitude + self.size_nm + self.error_nm
 
     @cached_property
     def wrong(self) -> Num:
         """Greatest error of the run since the last edge, at the end of the cycle, nm."""
-        return self.own.ghosts.wrong + self.error_nm
+        return self.own.ghosts.measured_run_error + self.error_nm
 
     @cached_property
     def wrong_after(self) -> Num:
         """The same after this cycle's edge, which may lie anywhere since the last amplitude, or after its reference."""
         error = ite(self.edge, self.unheard, self.wrong)
-        referred = self.own.reference & self.band.eq(v.NORMAL)
-        return minimum(ite(referred, as_num(0, NM), error), self.own.ghosts.wrong.high)
+        referred = self.own.reference_accepted & self.band.eq(v.NORMAL)
+        return minimum(ite(referred, as_num(0, NM), error), self.own.ghosts.measured_run_error.high)
 
     # -------------------------------------------------------------- the map
 
@@ -198,7 +202,7 @@ class Passing:
     def followed(self) -> Bool:
         """The runs since the last edge and since the last amplitude are known within the tolerance."""
         most = self.own.config.tolerance_mm * NM_PER_MM
-        return (self.wrong <= most) & (self.own.ghosts.unheard < most)
+        return (self.wrong <= most) & (self.own.ghosts.possible_run_since_amplitude < most)
 
     @cached_property
     def bridged_nm(self) -> Num:
@@ -209,12 +213,12 @@ class Passing:
     @cached_property
     def farthest_nm(self) -> int:
         """Greatest run of a cycle, nm, in whole mm rounded up."""
-        return self.own.config.max_step_mm * NM_PER_MM
+        return self.own.config.max_cycle_distance_mm * NM_PER_MM
 
     @cached_property
     def along(self) -> Num:
         """Distance of the edge seen in this cycle from the edge passed last, nm, positive upwards."""
-        return self.own.ghosts.spot - self.own.ghosts.edge
+        return self.own.ghosts.next_true_edge - self.own.ghosts.edge
 
     def beyond(self, far: Num | int) -> Bool:
         """Return the condition that the edge seen in this cycle lies farther than `far` from the one passed last, on either side."""
@@ -258,9 +262,9 @@ def _run_law(own: Parts, now: Passing) -> Law:
 
 
 def _edge_law(own: Parts, now: Passing) -> Law:
-    off, tolerance = now.after - own.ghosts.spot, own.config.edge_tolerance_mm * NM_PER_MM
+    off, tolerance = now.after - own.ghosts.next_true_edge, own.config.edge_tolerance_mm * NM_PER_MM
     near = (off <= now.unheard + tolerance) & (-off <= now.unheard + tolerance)
-    anywhere = own.ghosts.unheard >= own.ghosts.unheard.high
+    anywhere = own.ghosts.possible_run_since_amplitude >= own.ghosts.possible_run_since_amplitude.high
     return Law(
         now.edge.implies(anywhere | near),
         "When the amplitude leaves normal, or returns to it, the end has passed the edge of a section or of a false change. "
@@ -275,7 +279,7 @@ def _edge_law(own: Parts, now: Passing) -> Law:
 
 
 def _entry_law(own: Parts, now: Passing) -> Law:
-    off = own.ghosts.spot - exact_to(now.met.near, NM)
+    off = own.ghosts.next_true_edge - exact_to(now.met.near, NM)
     return Law(
         (now.enters & now.alike & now.followed).implies(off.eq(0) | (off > now.bridged_nm) | (-off > now.bridged_nm)),
         "A change of the amplitude that is of the kind of the map's next section begins where that section begins. Or it is a "
@@ -292,7 +296,7 @@ def _entry_law(own: Parts, now: Passing) -> Law:
 def _map_law(own: Parts, now: Passing) -> Law:
     met = now.met
     onwards = ite(now.upwards, met.near < met.far, met.far < met.near)
-    there = now.enters & now.alike & own.ghosts.spot.eq(exact_to(met.near, NM))
+    there = now.enters & now.alike & own.ghosts.next_true_edge.eq(exact_to(met.near, NM))
     return Law(
         there.implies(own.ghosts.next_real & onwards),
         "Where the map has the near edge of a section, there is one, and its far edge lies beyond.",
@@ -306,9 +310,9 @@ def _map_law(own: Parts, now: Passing) -> Law:
 def _exit_law(own: Parts, now: Passing) -> Law:
     seen = own.ghosts
     far = now.bridged_nm + own.config.long_mm * NM_PER_MM
-    ends = seen.spot.eq(seen.edge) | seen.spot.eq(exact_to(seen.far, NM))
+    ends = seen.next_true_edge.eq(seen.edge) | seen.next_true_edge.eq(exact_to(seen.far_edge_on_map, NM))
     return Law(
-        (now.leaves & seen.of_map & now.followed).implies(ends | now.beyond(far)),
+        (now.leaves & seen.section_is_the_maps & now.followed).implies(ends | now.beyond(far)),
         "A section of the map is left where it was entered, or at its other edge. After cycles without an amplitude the train "
         "may leave another section instead; that one lies farther away than the longest section and what the expectation "
         "window can bridge. This holds while both runs are known within the tolerance.",
@@ -336,8 +340,8 @@ def _code_law(own: Parts, now: Passing) -> Law:
     seen = own.ghosts
     near = between(-own.config.reach, seen.ahead_by, own.config.reach)
     was_long = now.beyond(own.config.long_mm * NM_PER_MM - 1)
-    as_measured = (was_long & seen.long) | (~was_long & ~seen.long)
-    passed = now.leaves & seen.real & seen.of_map & now.along.ne(0)
+    as_measured = (was_long & seen.long_on_map) | (~was_long & ~seen.long_on_map)
+    passed = now.leaves & seen.real & seen.section_is_the_maps & now.along.ne(0)
     return Law(
         (passed & near).implies(ite(seen.ahead_by.eq(0), as_measured, ~as_measured)),
         "If the section that was entered has the number that the map was asked for, it has the length of the map's entry. A "
@@ -366,10 +370,10 @@ def _count_law(own: Parts, now: Passing) -> Law:
 
 
 def _reference_law(own: Parts, now: Passing) -> Law:
-    off, tolerance = now.after - exact_to(own.reference_place, NM), own.config.edge_tolerance_mm * NM_PER_MM
+    off, tolerance = now.after - exact_to(own.reference_position, NM), own.config.edge_tolerance_mm * NM_PER_MM
     place = (off <= tolerance) & (-off <= tolerance)
     return Law(
-        own.reference.implies(place & own.ghosts.next_count.eq(own.reference_count)),
+        own.reference_accepted.implies(place & own.ghosts.next_count.eq(own.reference_count)),
         "An accepted reference gives the end's place within the tolerance of an edge, and the number of sections below it.",
         ("edge_tolerance_mm",),
         "[D] an axle counter at a known place",
@@ -379,9 +383,9 @@ def _reference_law(own: Parts, now: Passing) -> Law:
 
 
 def _word_law(own: Parts) -> Law:
-    at_edge = own.ghosts.edge.eq(exact_to(own.answer_place, NM))
+    at_edge = own.ghosts.edge.eq(exact_to(own.word_position, NM))
     return Law(
-        own.answer.implies(at_edge & own.ghosts.count.eq(own.answer_count)),
+        own.word_found.implies(at_edge & own.ghosts.count.eq(own.word_count)),
         "If the map has the code word that was read, the edge passed last is the one that the map gives for this word, and so "
         "is the number of sections below it.",
         ("window", "reach"),

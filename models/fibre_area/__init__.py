@@ -147,7 +147,7 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
 
 def reported_run(fibre: FibreConfig) -> ReportedRun:
     """Return limit and error law of a pattern's measured run."""
-    return ReportedRun(fibre.max_step_mm, fibre.rate_ppm, fibre.floor_mm)
+    return ReportedRun(fibre.max_cycle_distance_mm, fibre.rate_ppm, fibre.floor_mm)
 
 
 def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_model.Parts:
@@ -209,18 +209,18 @@ def _verification_wires(
     )
     wires: dict[Var, Expr] = {
         own.located: located,
-        own.place.present: usable,
+        own.fibre_position.present: usable,
         own.ends_low.present: usable,
         own.ends_high.present: usable,
         own.fibre_error: front.machine.flag("error") | rear.machine.flag("error"),
         own.chain_tested: emitter.machine.flag("chain_tested"),
         own.chain_failed: emitter.machine.flag("failed"),
         own.due: entry_.due,
-        own.source: entry_.source,
+        own.reference_from: entry_.source,
         own.leaves: entry_.leaves,
         own.next_truth: front.own.ghosts.truth,
     }
-    seen = {own.place.value: position, own.place_above: above, own.place_below: below}
+    seen = {own.fibre_position.value: position, own.fibre_margin_above: above, own.fibre_margin_below: below}
     seen |= {own.ends_low.value: near, own.ends_high.value: far}
     return {**wires, **{var: _if(usable, term) for var, term in seen.items()}}
 
@@ -238,26 +238,26 @@ def _report_wires(
     known = verification.machine.mode.one_of(*verification.machine.modes[1:3])
     return {
         own.trusted: trusted,
-        own.counted: trusted & verified.by_count & verified.age.eq(0),
+        own.count_matches_now: trusted & verified.by_count & verified.verified_ago.eq(0),
         own.gone: entry_.leaves,
         own.usable: usable,
         own.low: _if(usable, low),
         own.high: _if(usable, high),
         own.front_low: _if(usable, front_low),
         own.rear_high: _if(usable, rear_high),
-        own.longest: ite(known, verified.kept_high, as_num(0, MM)),
+        own.longest: ite(known, verified.stored_length_high, as_num(0, MM)),
         own.upwards: verified.associated & run.present & (run.value > 0),
         own.downwards: verified.associated & run.present & (run.value < 0),
         own.run: _if(run.present, run.value),
         own.pattern_rear: floor_to(rear.own.ghosts.truth, UM),
         own.pattern_front: ceil_to(front.own.ghosts.truth, UM),
-        own.had_all: known & verified.axles.eq(verified.kept_count),
+        own.count_had_all_axles: known & verified.axles.eq(verified.stored_axles),
     }
 
 
 def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
     """Return the wires of the area: the report of slot 1, its event, and the train's true ends."""
-    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("told")
+    slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
     return {
         slot.event: entry_.passed_on,
         slot.next_all_out: entry_.next_inside.eq(0),

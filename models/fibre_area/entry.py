@@ -59,7 +59,7 @@ class Entry:
     due, source  messages to the verification
     inside, sure  axles counted in and not out again; no count of them was missed
     left, in_part  in this cycle the whole train has left; a part of it left, and axles are still inside
-    true_inside   ghost: the train's axles in the area, with every part that it lost
+    true_axles_inside   ghost: the train's axles in the area, with every part that it lost
     """
 
     machine: Machine
@@ -74,7 +74,7 @@ class Entry:
     sure: BoolVar
     left: BoolVar
     in_part: BoolVar
-    true_inside: NumVar
+    true_axles_inside: NumVar
     next_inside: NumVar
 
     @property

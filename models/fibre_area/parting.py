@@ -50,7 +50,7 @@ class ReportedRun:
 class Parts:
     """The variables of the machine.
 
-    trusted, counted  the verification trusts the train; its count matched in this cycle
+    trusted, count_matches_now  the verification trusts the train; its count matched in this cycle
     gone              the train was counted out
     low, high         bounds of the pattern, from its low end to its high end; usable: within the line's range
     front_low, rear_high  the same ends from inside: lower bound of the high end, upper bound of the low end
@@ -58,18 +58,18 @@ class Parts:
     upwards, downwards  the pattern ran towards the high (low) end in this cycle
     run               its measured run in this cycle; `told_run`: limit and error law of that
     age               age of the pattern's reading
-    straight          its run in one direction so far, at least, without a pause: above 0 upwards
-    reported, reported_low, reported_high  the report to the area
+    run_one_way          its run in one direction so far, at least, without a pause: above 0 upwards
+    trusted_now, reported_low, reported_high  the report to the area
 
     Ghosts; places in um at the time of the pattern's reading:
 
     pattern_rear, pattern_front  the pattern's ends, rounded outward
-    had_all           the count in this cycle's verification is that of a train with all axles of the reference
-    rear_is, front_is   no vehicle was lost at the pattern's low (high) end
-    since             run since the train was last whole, both directions added up
+    count_had_all_axles           the count in this cycle's verification is that of a train with all axles of the reference
+    rear_is_the_trains, front_is_the_trains   no vehicle was lost at the pattern's low (high) end
+    run_since_complete             run since the train was last whole, both directions added up
     body_rear, body_front  ends of the train as if it had lost no vehicle
     lowest, highest   lowest and highest place of these ends since the train was last whole
-    step              run of the train in this cycle
+    true_cycle_distance              run of the train in this cycle
     next_rear, next_front  ends of the train now, with every part that it lost
     """
 
@@ -87,7 +87,7 @@ class Parts:
         pattern, body = pattern_limit_um, pattern_limit_um + most
         self.config, self.reach, self.reported_run = config, reach, reported_run
         self.trusted = declared.sensor(boolean("train_trusted"))
-        self.counted = declared.sensor(boolean("count_matches_now"))
+        self.count_matches_now = declared.sensor(boolean("count_matches_now"))
         self.gone = declared.sensor(boolean("train_gone"))
         self.usable = declared.sensor(boolean("ends_usable"))
         self.low = declared.sensor(number("pattern_low_mm", MM, -limit, limit))
@@ -99,25 +99,25 @@ class Parts:
         self.downwards = declared.sensor(boolean("runs_downwards"))
         self.run = declared.sensor(number("run_mm", MM, -reported_run.limit_mm, reported_run.limit_mm))
         self.age = declared.sensor(number("reading_age_ms", MS, 0, oldest))
-        self.straight = declared.state(number("run_one_way_mm", MM, -straight, straight), first=0)
-        self.reported = declared.state(boolean("trusted_now"), first=False)
+        self.run_one_way = declared.state(number("run_one_way_mm", MM, -straight, straight), first=0)
+        self.trusted_now = declared.state(boolean("trusted_now"), first=False)
         self.reported_low = declared.state(number("reported_low_mm", MM, -limit, limit), first=0)
         self.reported_high = declared.state(number("reported_high_mm", MM, -limit, limit), first=0)
-        self.rear_is = declared.ghost(boolean("rear_is_the_trains"), first=False)
-        self.front_is = declared.ghost(boolean("front_is_the_trains"), first=False)
-        self.since = declared.ghost(number("run_since_whole_um", UM, 0, most), first=most)
+        self.rear_is_the_trains = declared.ghost(boolean("rear_is_the_trains"), first=False)
+        self.front_is_the_trains = declared.ghost(boolean("front_is_the_trains"), first=False)
+        self.run_since_complete = declared.ghost(number("run_since_complete_um", UM, 0, most), first=most)
         self.body_rear = declared.ghost(number("body_rear_um", UM, -body, body), first=ANY)
         self.body_front = declared.ghost(number("body_front_um", UM, -body, body), first=ANY)
         self.lowest = declared.ghost(number("lowest_um", UM, -body, body), first=ANY)
         self.highest = declared.ghost(number("highest_um", UM, -body, body), first=ANY)
         self.pattern_rear = declared.choice(number("pattern_rear_um", UM, -pattern, pattern))
         self.pattern_front = declared.choice(number("pattern_front_um", UM, -pattern, pattern))
-        self.had_all = declared.choice(boolean("count_had_all_axles"))
-        self.next_rear_is = declared.choice(boolean("next_rear_is_the_trains"))
-        self.next_front_is = declared.choice(boolean("next_front_is_the_trains"))
+        self.count_had_all_axles = declared.choice(boolean("count_had_all_axles"))
+        self.next_rear_is_the_trains = declared.choice(boolean("next_rear_is_the_trains"))
+        self.next_front_is_the_trains = declared.choice(boolean("next_front_is_the_trains"))
         self.next_body_rear = declared.choice(number("next_body_rear_um", UM, -body, body))
         self.next_body_front = declared.choice(number("next_body_front_um", UM, -body, body))
-        self.step = declared.choice(number("step_um", UM, -pattern, pattern))
+        self.true_cycle_distance = declared.choice(number("true_cycle_distance_um", UM, -pattern, pattern))
         self.next_rear = declared.choice(number("next_rear_um", UM, -far - step, far + step))
         self.next_front = declared.choice(number("next_front_um", UM, -far - step, far + step))
 
@@ -126,12 +126,16 @@ class Parts:
     @property
     def next_complete(self) -> Bool:
         """The pattern is the whole train."""
-        return self.next_rear_is & self.next_front_is
+        return self.next_rear_is_the_trains & self.next_front_is_the_trains
 
     @property
     def next_since(self) -> Num:
         """Run since the train was last whole, after the cycle, um."""
-        return ite(self.next_complete, 0, minimum(self.since + abs_(self.step), self.config.since_limit_um))
+        return ite(
+            self.next_complete,
+            0,
+            minimum(self.run_since_complete + abs_(self.true_cycle_distance), self.config.since_limit_um),
+        )
 
     @property
     def next_counts(self) -> Bool:

@@ -70,7 +70,7 @@ class Believed:
     @cached_property
     def straight(self) -> Num:
         """Run in one direction after the cycle, mm."""
-        was, most = self.own.straight, self.own.config.straight_limit_mm
+        was, most = self.own.run_one_way, self.own.config.straight_limit_mm
         up, down = maximum(was, 0) + self.run, minimum(was, 0) - self.run
         return ite(self.up, minimum(up, most), ite(self.down, maximum(down, -most), 0))
 
@@ -130,7 +130,7 @@ def build(own: Parts) -> Report:
         inputs=own.declared.inputs,
         state=own.declared.states,
         outputs={
-            "told": own.reported & current.ne(neither),
+            "reported": own.trusted_now & current.ne(neither),
             "low_mm": own.reported_low,
             "high_mm": own.reported_high,
             "integer": current.eq(whole),
@@ -151,14 +151,18 @@ def build(own: Parts) -> Report:
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     _, whole, high, low = table
-    straight, counts = exact_to(own.straight, UM), own.since <= own.config.count_run_mm * UM_PER_MM
-    body = (own.body_rear - own.since <= own.lowest) & (own.highest <= own.body_front + own.since)
+    straight, counts = exact_to(own.run_one_way, UM), own.run_since_complete <= own.config.count_run_mm * UM_PER_MM
+    body = (own.body_rear - own.run_since_complete <= own.lowest) & (
+        own.highest <= own.body_front + own.run_since_complete
+    )
     return {
-        "an end that leads since the train was complete is the train's": (own.since < straight).implies(own.front_is)
-        & (own.since < -straight).implies(own.rear_is),
+        "an end that leads since the train was complete is the train's": (own.run_since_complete < straight).implies(
+            own.front_is_the_trains
+        )
+        & (own.run_since_complete < -straight).implies(own.rear_is_the_trains),
         "a train reported complete was so within the count's run": current.eq(whole).implies(counts),
-        "a believed high end is the train's": current.eq(high).implies(own.front_is),
-        "a believed low end is the train's": current.eq(low).implies(own.rear_is),
+        "a believed high end is the train's": current.eq(high).implies(own.front_is_the_trains),
+        "a believed low end is the train's": current.eq(low).implies(own.rear_is_the_trains),
         "its body moved no farther than the train ran": counts.implies(body),
     }
 
@@ -166,16 +170,21 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     neither, whole, high, low = table
     now = Believed(own)
-    withhold: Updates = {own.straight: now.straight, own.reported: FALSE, own.reported_low: 0, own.reported_high: 0}
+    withhold: Updates = {
+        own.run_one_way: now.straight,
+        own.trusted_now: FALSE,
+        own.reported_low: 0,
+        own.reported_high: 0,
+    }
     follow: Updates = {
-        own.straight: now.straight,
-        own.reported: TRUE,
+        own.run_one_way: now.straight,
+        own.trusted_now: TRUE,
         own.reported_low: own.low,
         own.reported_high: own.high,
     }
     complete: Updates = {
-        own.straight: now.straight,
-        own.reported: TRUE,
+        own.run_one_way: now.straight,
+        own.trusted_now: TRUE,
         own.reported_low: now.low,
         own.reported_high: now.high,
     }
@@ -186,8 +195,8 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         yield Transition(name, source, target, when & good, says, REQUIREMENTS, rank)
         yield Transition(f"{name}, not reported", source, target, when & ~good, withhold, REQUIREMENTS, rank)
 
-    yield from row("count matches", table, whole, own.counted, now.good_complete, complete, 0)
-    led_up, led_down = now.up & now.led_high(own.straight), now.down & now.led_low(own.straight)
+    yield from row("count matches", table, whole, own.count_matches_now, now.good_complete, complete, 0)
+    led_up, led_down = now.up & now.led_high(own.run_one_way), now.down & now.led_low(own.run_one_way)
     yield from row("runs up since it was complete", whole, high, led_up, now.good, follow, 1)
     yield from row("runs down since it was complete", whole, low, led_down, now.good, follow, 1)
     yield from row("runs up still", high, high, now.up, now.good, follow, 1)

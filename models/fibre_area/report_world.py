@@ -25,9 +25,9 @@ def world(own: Parts) -> World:
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
         moves={
-            own.rear_is: own.next_rear_is,
-            own.front_is: own.next_front_is,
-            own.since: own.next_since,
+            own.rear_is_the_trains: own.next_rear_is_the_trains,
+            own.front_is_the_trains: own.next_front_is_the_trains,
+            own.run_since_complete: own.next_since,
             own.body_rear: own.next_body_rear,
             own.body_front: own.next_body_front,
             own.lowest: ite(complete, own.next_body_rear, low),
@@ -50,17 +50,17 @@ def _clauses(own: Parts) -> dict[str, Law]:
         "a pattern is part of the train": _part(own),
         "the train is no longer than its reference": _length(own),
         "the reported run was run": _run(own, up, down),
-        "the leading high end stays the train's": _stays(own.front_is & up & ~own.gone, own.next_front_is, "high"),
-        "the leading low end stays the train's": _stays(own.rear_is & down & ~own.gone, own.next_rear_is, "low"),
-        "the train's high end is near the pattern's": _read(own, own.next_front_is, own.next_front, own.pattern_front, "high"),
-        "the train's low end is near the pattern's": _read(own, own.next_rear_is, own.next_rear, own.pattern_rear, "low"),
+        "the leading high end stays the train's": _stays(own.front_is_the_trains & up & ~own.gone, own.next_front_is_the_trains, "high"),
+        "the leading low end stays the train's": _stays(own.rear_is_the_trains & down & ~own.gone, own.next_rear_is_the_trains, "low"),
+        "the train's high end is near the pattern's": _read(own, own.next_front_is_the_trains, own.next_front, own.pattern_front, "high"),
+        "the train's low end is near the pattern's": _read(own, own.next_rear_is_the_trains, own.next_rear, own.pattern_rear, "low"),
         "lost parts stay behind": _lost(own),
     }  # fmt: skip
 
 
 def _count(own: Parts) -> Law:
     return Law(
-        own.had_all.implies(own.next_counts),
+        own.count_had_all_axles.implies(own.next_counts),
         "A count with all axles of the reference is that of the whole train at some moment within the last run "
         "over which the detector keeps one count: no matter how long the train stood, or where it turned.",
         ("count_run_mm",),
@@ -71,7 +71,9 @@ def _count(own: Parts) -> Law:
 
 
 def _part(own: Parts) -> Law:
-    moved = own.next_body_rear.eq(own.body_rear + own.step) & own.next_body_front.eq(own.body_front + own.step)
+    moved = own.next_body_rear.eq(own.body_rear + own.true_cycle_distance) & own.next_body_front.eq(
+        own.body_front + own.true_cycle_distance
+    )
     inside = (own.next_body_rear <= own.pattern_rear) & (own.pattern_front <= own.next_body_front)
     return Law(
         (~own.next_complete & own.next_counts).implies(moved & inside),
@@ -94,11 +96,11 @@ def _length(own: Parts) -> Law:
 
 
 def _run(own: Parts, up: Bool, down: Bool) -> Law:
-    bounds, step = own.reported_run, exact_to(own.step, NM)
+    bounds, step = own.reported_run, exact_to(own.true_cycle_distance, NM)
     off = with_unit(own.run * bounds.rate_ppm, NM)
     short, floor = exact_to(own.run, NM), bounds.floor_mm * NM_PER_MM
-    far = (step + floor >= short - off) & (own.step >= 0)
-    near = (step - floor <= short - off) & (own.step <= 0)
+    far = (step + floor >= short - off) & (own.true_cycle_distance >= 0)
+    near = (step - floor <= short - off) & (own.true_cycle_distance <= 0)
     return Law(
         up.implies(far) & down.implies(near),
         "A pattern that is reported as running towards an end ran that way, and no less than reported, but for "

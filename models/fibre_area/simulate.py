@@ -230,7 +230,7 @@ class _World:
         return {
             "report.next_rear_is_the_trains": complete, "report.next_front_is_the_trains": True,
             "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
-            "report.step_um": self._ran_mm(cycle) * UM_PER_MM,
+            "report.true_cycle_distance_um": self._ran_mm(cycle) * UM_PER_MM,
             "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,
             "area.counters_healthy": True,
             "area.counters_clear": self._journey.swept and cycle < self._journey.enters,

@@ -78,16 +78,16 @@ def joined(
 ) -> FibreHandover:
     """Return the given machines, wired. Both verifications concern one and the same train."""
     wires: dict[Var, Expr] = {
-        between.own.trusted: giving.machine.flag("trusted"),
-        between.own.doubted: giving.machine.flag("untrusted"),
+        between.own.giving_trusts: giving.machine.flag("trusted"),
+        between.own.giving_distrusts: giving.machine.flag("untrusted"),
         between.own.high: interval(giving)[1],
         **_taking_wires(giving, between, taking),
-        voice.begins: between.own.begins,
-        voice.ends: between.own.ends,
+        voice.shared_from: between.own.shared_from,
+        voice.shared_to: between.own.shared_to,
     }
     for side, verified in ((voice.giving, giving), (voice.taking, taking)):
         low, high = interval(verified)
-        wires |= {side.trusted: verified.machine.flag("trusted"), side.low: low, side.high: high}
+        wires |= {side.trusts: verified.machine.flag("trusted"), side.low: low, side.high: high}
     machines = [giving.machine, between.machine, taking.machine, voice.machine]
     return FibreHandover(config, giving, between, taking, voice, compose("fibre_handover", machines, wires))
 
@@ -97,11 +97,11 @@ def _taking_wires(giving: Verification, between: Border, taking: Verification) -
     own, giver = taking.own, giving.machine
     return {
         own.due: between.own.due,
-        own.source: between.own.source,
+        own.reference_from: between.own.source,
         own.sound: between.own.sound & giver.flag("handover_trusted"),
-        own.record_count: giver.output("handover_axles"),
-        own.record_low: giver.output("handover_length_low_mm"),
-        own.record_high: giver.output("handover_length_high_mm"),
+        own.record_axles: giver.output("handover_axles"),
+        own.record_length_low: giver.output("handover_length_low_mm"),
+        own.record_length_high: giver.output("handover_length_high_mm"),
         own.record_place_low: giver.output("handover_place_low_mm"),
         own.record_place_high: giver.output("handover_place_high_mm"),
         own.leaves: between.own.gone,

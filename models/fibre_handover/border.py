@@ -44,24 +44,24 @@ class BorderConfig(Config):
 class Parts:
     """The variables of the machine.
 
-    begins, ends     the shared stretch: fixed, any two places
-    trusted, doubted, high  the giving area's verification: trusted, a mismatch; upper bound of the front
+    shared_from, shared_to     the shared stretch: fixed, any two places
+    giving_trusts, giving_distrusts, high  the giving area's verification: trusted, a mismatch; upper bound of the front
     arrives          the record that is sent arrives in this cycle
     gone             the train has left the giving area, or is given up there
-    waited           cycles since the record was first sent
+    sent_cycles           cycles since the record was first sent
     due, source, sound  messages to the taking area's verification
     """
 
     def __init__(self, config: BorderConfig, far_mm: int) -> None:
         self.declared = declared = Declared()
-        self.trusted = declared.sensor(boolean("giving_trusts"))
-        self.doubted = declared.sensor(boolean("giving_distrusts"))
+        self.giving_trusts = declared.sensor(boolean("giving_trusts"))
+        self.giving_distrusts = declared.sensor(boolean("giving_distrusts"))
         self.high = declared.sensor(number("front_high_mm", MM, -far_mm, far_mm))
         self.arrives = declared.sensor(boolean("record_arrives"))
         self.gone = declared.sensor(boolean("train_gone"))
-        self.begins = declared.state(number("shared_from_mm", MM, -far_mm, far_mm), first=ANY)
-        self.ends = declared.state(number("shared_to_mm", MM, -far_mm, far_mm), first=ANY)
-        self.waited = declared.state(number("sent_cycles", COUNT, 0, config.wait_cycles), first=0)
+        self.shared_from = declared.state(number("shared_from_mm", MM, -far_mm, far_mm), first=ANY)
+        self.shared_to = declared.state(number("shared_to_mm", MM, -far_mm, far_mm), first=ANY)
+        self.sent_cycles = declared.state(number("sent_cycles", COUNT, 0, config.wait_cycles), first=0)
         self.due = declared.state(boolean("due"), first=False)
         self.source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
         self.sound = declared.state(boolean("record_sound"), first=False)
@@ -69,20 +69,28 @@ class Parts:
     @property
     def here(self) -> Bool:
         """The giving area trusts the train, and it may have come to the shared stretch."""
-        return self.trusted & (self.high >= self.begins)
+        return self.giving_trusts & (self.high >= self.shared_from)
 
     def table(self, modes_: tuple[Lit, ...]) -> Iterator[Transition]:
         """Yield all rows."""
         before, offered, taken, lost = modes_
-        longer = ite(self.waited < self.waited.high, self.waited + 1, self.waited)
-        quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.waited: 0}
-        over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.waited: 0}
-        missing: Updates = {self.due: TRUE, self.source: NOBODY, self.sound: FALSE, self.waited: 0}
-        sent: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.waited: longer}
-        late = self.waited >= self.waited.high
+        longer = ite(self.sent_cycles < self.sent_cycles.high, self.sent_cycles + 1, self.sent_cycles)
+        quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0}
+        over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.sent_cycles: 0}
+        missing: Updates = {self.due: TRUE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0}
+        sent: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: longer}
+        late = self.sent_cycles >= self.sent_cycles.high
         yield Transition("train is gone", modes_, before, self.gone, quiet, REQUIREMENTS, 0)
         yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, REQUIREMENTS, 1)
-        yield Transition("trust lost on the way", offered, lost, self.doubted & ~self.trusted, missing, REQUIREMENTS, 1)
+        yield Transition(
+            "trust lost on the way",
+            offered,
+            lost,
+            self.giving_distrusts & ~self.giving_trusts,
+            missing,
+            REQUIREMENTS,
+            1,
+        )
         yield Transition("record lost on the way", offered, lost, late, missing, REQUIREMENTS, 2)
         yield Transition("record is sent", before, offered, self.here, sent, REQUIREMENTS, 3)
         yield Transition("record is sent again", offered, offered, TRUE, sent, REQUIREMENTS, 3)
@@ -117,11 +125,11 @@ def build(own: Parts) -> Border:
             "reference_from": own.source,
             "reference_sound": own.sound,
             "handover_lost": current.eq(table[3]),
-            "sent_cycles_ago": own.waited,
+            "sent_cycles_ago": own.sent_cycles,
         },
         transitions=list(own.table(table)),
-        initially=own.begins <= own.ends,
-        lemmas={"the shared stretch is in order": own.begins <= own.ends},
+        initially=own.shared_from <= own.shared_to,
+        lemmas={"the shared stretch is in order": own.shared_from <= own.shared_to},
         doc="Hand-over of a train's record between two neighbouring areas that share a stretch of line.",
     )
     return Border(machine, own)

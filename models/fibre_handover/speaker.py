@@ -40,7 +40,7 @@ REQUIREMENTS = ("FVA-D1", "FVA-1", "FVA-10")
 class Side:
     """Inputs from one area's verification: its trust in the train, and its interval of the front."""
 
-    trusted: BoolVar
+    trusts: BoolVar
     low: NumVar
     high: NumVar
 
@@ -52,8 +52,8 @@ class Speaker:
     machine: Machine
     giving: Side
     taking: Side
-    begins: NumVar
-    ends: NumVar
+    shared_from: NumVar
+    shared_to: NumVar
     low: NumVar
     high: NumVar
 
@@ -102,7 +102,7 @@ def _table(
     table: tuple[Lit, ...], giving: Side, taking: Side, begins: NumVar, ends: NumVar, given: tuple[NumVar, NumVar]
 ) -> Iterator[Transition]:
     nobody, first, second, both = table
-    before, beyond = giving.trusted & (giving.high <= ends), taking.trusted & (taking.low >= begins)
+    before, beyond = giving.trusts & (giving.high <= ends), taking.trusts & (taking.low >= begins)
     low, high = maximum(giving.low, taking.low), minimum(giving.high, taking.high)
 
     def row(name: str, target: Lit, when: Bool, bounds: tuple[Expr, Expr], rank: int) -> Transition:

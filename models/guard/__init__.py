@@ -114,9 +114,9 @@ def _rows(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     lost, recovering, passing, probation = table
     full = own.config.confirmations
     return {
-        "no row while withdrawn": current.eq(lost).iff(own.agreed.eq(0) & ~current.eq(probation)),
-        "a row begun while recovering": current.eq(recovering).implies(between(1, own.agreed, full - 1)),
-        "a full row while passing": current.eq(passing).iff(own.agreed.eq(full)),
+        "no row while withdrawn": current.eq(lost).iff(own.agreed_fixes.eq(0) & ~current.eq(probation)),
+        "a row begun while recovering": current.eq(recovering).implies(between(1, own.agreed_fixes, full - 1)),
+        "a full row while passing": current.eq(passing).iff(own.agreed_fixes.eq(full)),
     }
 
 
@@ -132,7 +132,7 @@ def _new_start(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Transiti
     """Return the transition of the host's new start: it forgets everything known before, and uses no fix of the same step."""
     verdict = ite(cycle.fair.eq(PASSED), UNCONFIRMED, cycle.fair)
     nothing = together(
-        stored(own, _nothing()), _nowhere(own), {own.agreed: as_num(0, COUNT), own.last_verdict: verdict}
+        stored(own, _nothing()), _nowhere(own), {own.agreed_fixes: as_num(0, COUNT), own.last_verdict: verdict}
     )
     return Transition("new start", table, table[0], own.start_anew, nothing, REQUIREMENTS, -1)
 
@@ -146,13 +146,13 @@ def _held(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     kept = usable(config, coasted.box)
 
     def coast(agreed: Num, verdict: Num) -> Updates:
-        return together(stored(own, coasted), {own.agreed: agreed, own.last_verdict: verdict})
+        return together(stored(own, coasted), {own.agreed_fixes: agreed, own.last_verdict: verdict})
 
-    passed = together(stored(own, narrow), {own.agreed: full, own.last_verdict: PASSED})
+    passed = together(stored(own, narrow), {own.agreed_fixes: full, own.last_verdict: PASSED})
     goes_on = cycle.agrees & cycle.follows
     yield Transition("fix passed on", passing, passing, goes_on, passed, REQUIREMENTS, 0)
     yield Transition("receiver believed again", probation, passing, goes_on & cycle.confirmed, passed, REQUIREMENTS, 0)
-    lose = together(stored(own, _nothing()), {own.agreed: none, own.last_verdict: _withheld(cycle)})
+    lose = together(stored(own, _nothing()), {own.agreed_fixes: none, own.last_verdict: _withheld(cycle)})
     yield Transition("window given up", both, lost, ~kept, lose, REQUIREMENTS, 1)
     doubt = coast(none, cycle.verdict)
     yield Transition("implausible fix", both, probation, cycle.implausible, doubt, REQUIREMENTS, 2)
@@ -167,7 +167,7 @@ def _held(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
             f"coast while {mode.label.lower()}",
             mode,
             mode,
-            set=coast(own.agreed, _withheld(cycle)),
+            set=coast(own.agreed_fixes, _withheld(cycle)),
             requirements=REQUIREMENTS,
             rank=5,
         )
@@ -180,7 +180,7 @@ def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     none, one = as_num(0, COUNT), as_num(1, COUNT)
 
     def begun_by(agreed: Num, verdict: Num) -> Updates:
-        return together(stored(own, fresh), {own.agreed: agreed, own.last_verdict: verdict})
+        return together(stored(own, fresh), {own.agreed_fixes: agreed, own.last_verdict: verdict})
 
     full = begun_by(as_num(config.confirmations, COUNT), PASSED)
     agrees = cycle.agrees & cycle.begins
@@ -191,7 +191,7 @@ def _free(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[Tran
     yield Transition("first fix", lost, recovering, cycle.begins, begin, REQUIREMENTS, 7)
     yield Transition("fix begins anew", recovering, recovering, cycle.begins, anew, REQUIREMENTS, 8)
     unusable = cycle.implausible | ~usable(config, cycle.coasted.box)
-    empty = together(stored(own, _nothing()), {own.agreed: none, own.last_verdict: cycle.verdict})
+    empty = together(stored(own, _nothing()), {own.agreed_fixes: none, own.last_verdict: cycle.verdict})
     yield Transition("fixes dropped", recovering, lost, unusable, empty, REQUIREMENTS, 9)
     waiting = together(_carried(own, cycle.coasted.box), {own.last_verdict: cycle.verdict})
     yield Transition("agreeing fixes carried", recovering, recovering, set=waiting, requirements=REQUIREMENTS, rank=10)
@@ -222,11 +222,11 @@ def _last_known(own: Parts, cycle: Judgement) -> Updates:
     """Fair fixes in a row are counted; one that fills the row narrows the last known place, which else is moved on."""
     fix, (low, high), full = of_fix(own), cycle.known, own.config.confirmations
     ends = (cycle.alone.eq(PASSED) & ~cycle.begins) | cycle.alone.eq(OFF_TRACK)
-    longer = ite(cycle.follows & ~own.elsewhere, minimum(own.fair + 1, full), as_num(1, COUNT))
-    row = ite(cycle.begins, longer, ite(ends, as_num(0, COUNT), own.fair))
+    longer = ite(cycle.follows & ~own.elsewhere, minimum(own.fair_fixes + 1, full), as_num(1, COUNT))
+    row = ite(cycle.begins, longer, ite(ends, as_num(0, COUNT), own.fair_fixes))
     fills = cycle.begins & row.eq(full)
     return {
-        own.fair: row,
+        own.fair_fixes: row,
         own.known_low: ite(fills, maximum(fix.low, low), low),
         own.known_high: ite(fills, minimum(fix.high, high), high),
     }
@@ -236,7 +236,7 @@ def _nowhere(own: Parts) -> Updates:
     """No fix near the way and no place of the vehicle is known: both may be anywhere on the line."""
     low, high = as_num(own.near_low.low, NM), as_num(own.near_low.high, NM)
     return {
-        own.near_low: low, own.near_high: high, own.known_low: low, own.known_high: high, own.fair: as_num(0, COUNT),
+        own.near_low: low, own.near_high: high, own.known_low: low, own.known_high: high, own.fair_fixes: as_num(0, COUNT),
     }  # fmt: skip
 
 
@@ -294,6 +294,6 @@ def _outputs(own: Parts, holding: Bool) -> dict[str, Expr]:
         "holding": holding,
         "known_from_mm": floor_to(own.known_low, MM) - own.config.rollback_mm,
         "known_to_mm": ceil_to(own.known_high, MM),
-        "agreed_fixes": own.agreed,
+        "agreed_fixes": own.agreed_fixes,
         "reason": own.last_verdict,
     }

@@ -84,12 +84,12 @@ class Judgement:
     @property
     def confirmed(self) -> Bool:
         """With this fix, the row of agreeing fixes is full."""
-        return self.own.agreed + 1 >= self.own.config.confirmations
+        return self.own.agreed_fixes + 1 >= self.own.config.confirmations
 
     @property
     def more(self) -> Num:
         """Number of agreeing fixes in a row with this one, up to the configured number."""
-        return minimum(self.own.agreed + 1, self.own.config.confirmations)
+        return minimum(self.own.agreed_fixes + 1, self.own.config.confirmations)
 
     @property
     def implausible(self) -> Bool:

@@ -97,7 +97,7 @@ def _recorded(own: Parts) -> dict[Var, Num]:
     return {
         own.last_fix_low: ite(near(own), place - error, low),
         own.last_fix_high: ite(near(own), place + error, high),
-        own.row: _row_after(own),
+        own.row_fixes: _row_after(own),
         own.sure_low: ite(promised, maximum(surely, place - error), surely),
         own.sure_high: ite(promised, minimum(at_most, place + error), at_most),
     }
@@ -190,10 +190,10 @@ def _row_after(own: Parts) -> Num:
     """
     (low, high), place, error = _reach(own), _place(own), _error(own)
     follows = ~own.elsewhere & (place + error >= low) & (place - error <= high)
-    longer = minimum(own.row + 1, own.config.confirmations)
+    longer = minimum(own.row_fixes + 1, own.config.confirmations)
     beside = own.fix.present & own.fault.eq(NO_FAULT) & (own.offset > own.config.offset_limit_mm)
     off_track = beside | own.fault.eq(_FAR_OFF)
-    kept = ite(off_track | near(own), as_num(0, COUNT), own.row)
+    kept = ite(off_track | near(own), as_num(0, COUNT), own.row_fixes)
     return ite(_fair(own), ite(follows, longer, as_num(1, COUNT)), kept)
 
 
@@ -251,8 +251,8 @@ def lemmas(own: Parts, holding: Bool, free: Bool, recovering: Bool) -> dict[str,
         "no anchor while nothing is held": free.implies(own.anchor_steps.eq(0)),
         "the last fix near the way": own.near_low.eq(own.last_fix_low) & own.near_high.eq(own.last_fix_high),
         "the place last known": own.known_low.eq(own.sure_low) & own.known_high.eq(own.sure_high),
-        "the row of the receiver": own.fair.eq(own.row),
-        "no longer row than the receiver's": own.agreed <= own.row,
+        "the row of the receiver": own.fair_fixes.eq(own.row_fixes),
+        "no longer row than the receiver's": own.agreed_fixes <= own.row_fixes,
         "recovering by the last fix": recovering.implies((own.low >= own.near_low) & (own.high <= own.near_high)),
     }
     for steps in range(config.window_steps):

@@ -126,9 +126,9 @@ class Parts:
     start_anew     input: the host says that no place known before counts any longer
     low .. fast    where the vehicle is and how fast, nm and um/s (while recovering: if the last fix is true)
     anchor_*       where it was some steps ago, from which speed is told
-    agreed         fixes in a row that kept every gate, up to the number asked for
+    agreed_fixes         fixes in a row that kept every gate, up to the number asked for
     near_*         where the vehicle is if the last fix near the way is true, nm; the whole line before the first one
-    fair           fixes in a row that map, course and the place last known allow, up to the number asked for
+    fair_fixes           fixes in a row that map, course and the place last known allow, up to the number asked for
     known_*        where the vehicle is since a row was last full, nm: by direction and highest speed alone, also while nothing is
                    held; the whole line before the first full row. It has been at known_low, and may be rollback_mm behind it
     truth, true_speed, run   ghosts: nm, um/s, and nm since the anchor
@@ -160,20 +160,20 @@ class Parts:
         self.anchor_low = declared.state(number("anchor_low_nm", NM, -reach, reach), first=0)
         self.anchor_high = declared.state(number("anchor_high_nm", NM, -reach, reach), first=0)
         self.anchor_steps = declared.state(number("anchor_steps", COUNT, 0, config.window_steps - 1), first=0)
-        self.agreed = declared.state(number("agreed_fixes", COUNT, 0, config.confirmations), first=0)
-        self.fair = declared.state(number("fair_fixes", COUNT, 0, config.confirmations), first=0)
+        self.agreed_fixes = declared.state(number("agreed_fixes", COUNT, 0, config.confirmations), first=0)
+        self.fair_fixes = declared.state(number("fair_fixes", COUNT, 0, config.confirmations), first=0)
         self.near_low = declared.state(number("near_low_nm", NM, -reach, reach), first=-reach)
         self.near_high = declared.state(number("near_high_nm", NM, -reach, reach), first=reach)
         self.known_low = declared.state(number("known_low_nm", NM, -reach, reach), first=-reach)
         self.known_high = declared.state(number("known_high_nm", NM, -reach, reach), first=reach)
-        self.last_verdict = declared.state(choice("judged", enumeration(JUDGED)), first=NOTHING)
+        self.last_verdict = declared.state(choice("last_verdict", enumeration(JUDGED)), first=NOTHING)
         place = number("truth_nm", NM, -2 * reach, 2 * reach) if truth is None else truth
         self.truth = declared.ghost(place, first=ANY)
         self.true_speed = declared.ghost(number("true_speed_um_s", UM_S, -fast, fast), first=ANY)
         self.run = declared.ghost(number("run_nm", NM, -most, most), first=0)
-        self.last_fix_low = declared.ghost(number("heard_low_nm", NM, -reach, reach), first=-reach)
-        self.last_fix_high = declared.ghost(number("heard_high_nm", NM, -reach, reach), first=reach)
-        self.row = declared.ghost(number("row_fixes", COUNT, 0, config.confirmations), first=0)
+        self.last_fix_low = declared.ghost(number("last_fix_low_nm", NM, -reach, reach), first=-reach)
+        self.last_fix_high = declared.ghost(number("last_fix_high_nm", NM, -reach, reach), first=reach)
+        self.row_fixes = declared.ghost(number("row_fixes", COUNT, 0, config.confirmations), first=0)
         self.sure_low = declared.ghost(number("sure_low_nm", NM, -reach, reach), first=-reach)
         self.sure_high = declared.ghost(number("sure_high_nm", NM, -reach, reach), first=reach)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -2 * reach, 2 * reach))

@@ -122,16 +122,16 @@ def _odometry(journey: Journey) -> Iterator[Stream]:
         dropout=0,
         missed=0,
         foreign=0,
-        faults=_of_odometry(struck, config.limits.max_step_mm),
+        faults=_of_odometry(struck, config.limits.max_cycle_distance_mm),
     )
     yield Stream("odometry", config, steps, struck=struck)
 
 
-def _of_odometry(struck: Sequence[Struck], max_step_mm: int) -> list[Fault]:
+def _of_odometry(struck: Sequence[Struck], max_cycle_distance_mm: int) -> list[Fault]:
     """Return the faults of the front reader, and of the front end's first unit."""
     found: list[Fault] = []
     for one in struck:
-        found += [*one.of_reader(), *one.of_distance("front_wheel", max_step_mm)]
+        found += [*one.of_reader(), *one.of_distance("front_wheel", max_cycle_distance_mm)]
     return found
 
 
@@ -150,7 +150,9 @@ def _balise(journey: Journey) -> Iterator[Stream]:
         missed=0,
         foreign=0,
         faults=[fault for one in struck for fault in one.of_group()],
-        sensor_faults=[fault for one in struck for fault in one.of_distance("odometer", config.limits.max_step_mm)],
+        sensor_faults=[
+            fault for one in struck for fault in one.of_distance("odometer", config.limits.max_cycle_distance_mm)
+        ],
     )
     yield Stream("balise", config, steps, struck=struck)
 
@@ -160,7 +162,7 @@ def _reflector(journey: Journey) -> Iterator[Stream]:
     motion = motion_of(journey, config.max_speed_mm_s, config.period_ms)
     struck = _struck(journey, "reflector", motion)
     steps = reflector_streams.simulate(
-        config, seed=journey.seed, scene=_scene(journey, struck, config.max_step_mm), motion=motion
+        config, seed=journey.seed, scene=_scene(journey, struck, config.max_cycle_distance_mm), motion=motion
     )
     yield Stream("reflector", config, steps, struck=struck)
 
@@ -171,7 +173,7 @@ def _source(journey: Journey) -> ReflectorConfig:
     return config
 
 
-def _scene(journey: Journey, struck: Sequence[Struck], max_step_mm: int) -> reflector_streams.Scene:
+def _scene(journey: Journey, struck: Sequence[Struck], max_cycle_distance_mm: int) -> reflector_streams.Scene:
     vehicle = journey.vehicle
     seen = reflector_route(
         journey.route,
@@ -188,7 +190,7 @@ def _scene(journey: Journey, struck: Sequence[Struck], max_step_mm: int) -> refl
         pauses=0,
         dropout=0,
         disturbances=tuple(one for fault in struck for one in fault.of_radar()),
-        sensor_faults=tuple(one for fault in struck for one in fault.of_distance("wheel", max_step_mm)),
+        sensor_faults=tuple(one for fault in struck for one in fault.of_distance("wheel", max_cycle_distance_mm)),
     )
 
 
@@ -206,7 +208,7 @@ def _stop_point(journey: Journey) -> Iterator[Stream]:
                 Platform(stop_places(platform), number, permitted=off != 0),
                 motion,
                 source=source,
-                scene=_scene(journey, struck, source.max_step_mm),
+                scene=_scene(journey, struck, source.max_cycle_distance_mm),
                 seed=journey.seed,
             )
             yield Stream("stop_point", config, steps, stop.id, struck)
@@ -248,7 +250,9 @@ def _route(journey: Journey) -> Iterator[Stream]:
         radar_error_mm=journey.vehicle.radar_error_mm,
         missed=[one.at for one in struck if one.name == "reflector-gone"],
         misread={one.at: one.model for one in struck if one.name == "model-misread"},
-        sensor_faults=[fault for one in struck for fault in one.of_distance("odometer", config.limits.max_step_mm)],
+        sensor_faults=[
+            fault for one in struck for fault in one.of_distance("odometer", config.limits.max_cycle_distance_mm)
+        ],
         authorised=(taken % len(rivals) + 1) if wrong else taken,
     )
     yield Stream("route", config, steps, struck=struck)
@@ -265,7 +269,7 @@ def _turn_off(journey: Journey) -> Iterator[Stream]:
     steps = turn_off_streams.simulate(
         config,
         source,
-        _scene(journey, struck, source.max_step_mm),
+        _scene(journey, struck, source.max_cycle_distance_mm),
         switches,
         motion,
         seed=journey.seed,

@@ -172,7 +172,7 @@ class BaliseOnLine(OnLine):
         ]
         known = groups(route)
         distances = measure_many(
-            "odometer", np.stack([one.step_nm for one in motions], axis=1), config.period_ms, config.odometer, rngs,
+            "odometer", np.stack([one.distance_nm for one in motions], axis=1), config.period_ms, config.odometer, rngs,
             dropout=figures["odometer_dropout"].tolist(), severity=[SEVERITY] * drawn.vehicles,
             faults=[[fault for fault in faults if fault.where == "odometer"] for faults in drawn.faults],
         )  # fmt: skip

@@ -45,12 +45,12 @@ class Struck:
         """Return the fault for the front reader of the odometry simulation."""
         return [Fault(kind, "front_marker", self.begin, self.end) for kind in self._kinds("reader")]
 
-    def of_distance(self, sensor: str, max_step_mm: int) -> list[Fault]:
+    def of_distance(self, sensor: str, max_cycle_distance_mm: int) -> list[Fault]:
         """Return the fault for a distance sensor.
 
         A jump is farther than the vehicle can run in a cycle, but within the input's range: the border would refuse a farther one.
         """
-        figures = {"by_mm": max_step_mm + 500} if self.name == "distance-jump" else {}
+        figures = {"by_mm": max_cycle_distance_mm + 500} if self.name == "distance-jump" else {}
         return [Fault(kind, sensor, self.begin, self.end, figures) for kind in self._kinds("distance")]
 
     def of_radar(self) -> list[Fault]:

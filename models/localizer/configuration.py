@@ -69,7 +69,7 @@ class LocalizerConfig(Config):
             sources=shipped,
             own=own,
             tolerance_mm=self.tolerance_mm,
-            max_step_mm=self.motion.limits.max_step_mm,
+            max_cycle_distance_mm=self.motion.limits.max_cycle_distance_mm,
             position_limit_mm=self.motion.position_limit_mm,
         )
 

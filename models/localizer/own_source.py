@@ -40,7 +40,7 @@ _SHARED_LAWS = ("the vehicle never exceeds its highest speed", "the vehicle stay
 class Vehicle:
     """Vehicle as a source may read it: some figures, and for its world the front end's true place.
 
-    truth, true_step    ghosts: the front end's place before the cycle, and its run in the cycle, nm
+    truth, true_cycle_distance    ghosts: the front end's place before the cycle, and its run in the cycle, nm
     period_ms           the cycle
     max_speed_mm_s, max_acceleration_mm_s2   the greatest, either way
     position_limit_mm   the line ends so far from 0, either way
@@ -48,7 +48,7 @@ class Vehicle:
     """
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
     period_ms: int
     max_speed_mm_s: int
     max_acceleration_mm_s2: int
@@ -59,7 +59,7 @@ class Vehicle:
     @property
     def truth_after(self) -> Num:
         """The front end's true place at the end of the cycle, nm; every reported interval has to contain it."""
-        return self.truth + self.true_step
+        return self.truth + self.true_cycle_distance
 
     @property
     def farthest_mm(self) -> int:
@@ -80,7 +80,7 @@ class Vehicle:
         """
         return World(
             ghosts={self.truth: ANY, **(ghosts or {})},
-            choices=[self.true_step, *choices],
+            choices=[self.true_cycle_distance, *choices],
             moves={self.truth: self.truth_after, **(moves or {})},
             clauses={**self.laws, **clauses},
         )
@@ -103,7 +103,7 @@ def vehicle_of(moves: Motion, widest_mm: int) -> Vehicle:
     config, seen = moves.own.config, moves.own.ghosts
     laws = {name: law for name, law in moves.machine.world.laws.items() if name in _SHARED_LAWS}
     return Vehicle(
-        seen.truth, seen.true_step, config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2,
+        seen.truth, seen.true_cycle_distance, config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2,
         config.position_limit_mm, widest_mm, laws,
     )  # fmt: skip
 

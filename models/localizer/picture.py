@@ -47,7 +47,7 @@ def _of_the_composition() -> Iterator[Refusals]:
 # A fibre's cycle without a block is NOT_ASSOCIATED; that nothing comes for longer shows in downlink.mode.
 _REFUSALS = {
     "odometry": (
-        *(Refusals("odometry", f"odometry.{unit}_judged", ("ADMITTED",)) for unit in _ODOMETERS),
+        *(Refusals("odometry", f"odometry.{unit}_last_verdict", ("ADMITTED",)) for unit in _ODOMETERS),
         *(Refusals("odometry", f"odometry.{end}_reading", ("NONE", "ACCEPTED", "CANDIDATE")) for end in ("front", "rear")),
         Refusals("odometry", "odometry.reason", ("NONE",)),
     ),

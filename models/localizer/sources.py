@@ -63,7 +63,7 @@ def _distance_of_motion(wanted: Optional, more: NumVar | None, moves: Motion) ->
 
 
 def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
-    moved = Movement(moves.own.ghosts.truth, moves.own.ghosts.true_step)
+    moved = Movement(moves.own.ghosts.truth, moves.own.ghosts.true_cycle_distance)
     own = odometry_parts(config.odometry, with_fault=config.odometry.single_fault_safe, moved=moved)
     model = odometry.build(own)
     wires = [
@@ -75,7 +75,7 @@ def _odometry(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) ->
 
 def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     seen = moves.own.ghosts
-    moved = replace(balise_movement(config.balise), truth=seen.truth, true_step=seen.true_step)
+    moved = replace(balise_movement(config.balise), truth=seen.truth, true_cycle_distance=seen.true_cycle_distance)
     if seen.units is not None:
         moved = replace(moved, wander=seen.units.reported, next_wander=seen.units.next_reported)
     own = balise_parts(config.balise, moved=moved)
@@ -102,7 +102,9 @@ def plainly(machine: Machine) -> Stated:
 
 def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
     seen = moves.own.ghosts
-    moving = replace(reflecting.moving(config.reflector), truth=seen.truth, true_step=seen.true_step)
+    moving = replace(
+        reflecting.moving(config.reflector), truth=seen.truth, true_cycle_distance=seen.true_cycle_distance
+    )
     if seen.units is not None:
         moving = replace(moving, wander=seen.units.reported, next_wander=seen.units.next_reported)
     own = reflecting.Parts(config.reflector, moving)

@@ -121,7 +121,7 @@ class _Behind:
         return More(
             (*machines, *(one.machine for one in self.sections)),
             {**self._into_ends(), **self._into_far_uplink(), **self._into_trackside(), **self._into_area()},
-            (self.ends.own.far, self.train.true_rear, self.train.true_front),
+            (self.ends.own.far_end, self.train.true_rear, self.train.true_front),
             (
                 Clause(self.ends.machine, train_ends.SENT),
                 self.far_uplink.machine,
@@ -140,7 +140,7 @@ class _Behind:
         """The uplink's own figures; its margin wider by what is unknown of the length."""
         near, wider = self._config.localizer.uplink, self._config.train.length_tolerance_mm
         config = near.model_copy(update={"margin_limit_mm": near.margin_limit_mm + wider})
-        return transmission.build(transmission.Parts(config, self.ends.own.far), "far_uplink")
+        return transmission.build(transmission.Parts(config, self.ends.own.far_end), "far_uplink")
 
     def _seen(self) -> train_seen.Parts:
         near, far, area = self._uplink.own.config, self.far_uplink.own.config, self._config.sections.area
@@ -150,7 +150,7 @@ class _Behind:
             near.period_ms,
             near.age_limit_ms,
             train_seen.end_inputs("front", limit, near.margin_limit_mm, self._moves.own.ghosts.truth),
-            train_seen.end_inputs("far", limit, far.margin_limit_mm, self.ends.own.far),
+            train_seen.end_inputs("far", limit, far.margin_limit_mm, self.ends.own.far_end),
         )
 
     # ---------------------------------------------------------------- wires
@@ -171,7 +171,7 @@ class _Behind:
             own.arrived: near.arrived,
             own.valid: ends.flag("valid"),
             **_interval(own, ends),
-            own.next_truth: self.ends.own.far,
+            own.next_truth: self.ends.own.far_end,
         }
 
     def _into_trackside(self) -> Mapping[Var, Expr]:
@@ -180,7 +180,7 @@ class _Behind:
             own.age: self._uplink.machine.output("age_ms"),
             own.upwards: self.ends.own.upwards,
             own.front.next_truth: self._moves.own.ghosts.truth,
-            own.far.next_truth: self.ends.own.far,
+            own.far.next_truth: self.ends.own.far_end,
         }
         for reported, link in ((own.front, self._uplink.machine), (own.far, self.far_uplink.machine)):
             wires |= {reported.valid: link.flag("valid"), **_interval(reported, link)}
@@ -189,7 +189,7 @@ class _Behind:
     def _into_area(self) -> Mapping[Var, Expr]:
         """The links have widened the intervals by their age, so the area adds none."""
         train, seen = self.train, self.trackside.machine
-        reported = seen.flag("told")
+        reported = seen.flag("reported")
         wires: dict[Var, Expr] = {
             train.rear.present: reported,
             train.front.present: reported,

@@ -80,7 +80,7 @@ def simulate(config: LocalizerSectionsConfig, scene: Scene, *, seed: int) -> Ste
     front = before = 0
     made: Steps = []
     for cycle, step in enumerate(steps):
-        before, front = front, front + _as_int(step["true_step_nm"])
+        before, front = front, front + _as_int(step["true_cycle_distance_nm"])
         complete = scene.parts is None or cycle < scene.parts
         far = front - config.train.length_mm * NM_PER_MM if complete else far
         made.append({**step, **_train(complete, far), **_area(config, scene, cycle, before, front)})

@@ -70,7 +70,7 @@ class Parts:
     train_whole      input: integrity monitoring confirms the train in this cycle
     upwards          the front end faces growing positions: fixed
     told, ...        the far end's interval
-    truth, far       ghosts: front end and far end, nm
+    truth, far_end       ghosts: front end and far end, nm
     train            ghosts of the area: the same train's rear and front along the line, um
     """
 
@@ -85,15 +85,15 @@ class Parts:
         self.above = declared.sensor(number("front_margin_above_mm", MM, 0, widest))
         self.train_whole = declared.sensor(boolean("train_whole"))
         self.upwards = declared.state(boolean("faces_upwards"), first=ANY)
-        self.both_position = declared.state(number("far_position_mm", MM, -limit, limit), first=0)
-        self.both_below = declared.state(number("far_margin_below_mm", MM, 0, wider), first=0)
-        self.both_above = declared.state(number("far_margin_above_mm", MM, 0, wider), first=0)
+        self.far_position = declared.state(number("far_position_mm", MM, -limit, limit), first=0)
+        self.far_margin_below = declared.state(number("far_margin_below_mm", MM, 0, wider), first=0)
+        self.far_margin_above = declared.state(number("far_margin_above_mm", MM, 0, wider), first=0)
         declared.ghost(world.truth, first=ANY)
-        self.far = declared.ghost(number("far_end_nm", NM, -reach, reach), first=ANY)
+        self.far_end = declared.ghost(number("far_end_nm", NM, -reach, reach), first=ANY)
         declared.ghost(train.true_rear, first=ANY)
         declared.ghost(train.true_front, first=ANY)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -reach, reach))
-        self.next_far = declared.choice(number("next_far_end_nm", NM, -reach, reach))
+        self.next_far_end = declared.choice(number("next_far_end_nm", NM, -reach, reach))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +114,9 @@ def build(own: Parts) -> TrainEnds:
     table = modes("NOTHING", "FRONT_ONLY", "BOTH")
     current = current_mode(table)
     both, train = current.eq(table[2]), own.train
-    low, high = own.both_position - own.both_below, own.both_position + own.both_above
-    rear, front = _along_the_line(own.world.truth, own.far)
-    next_rear, next_front = _along_the_line(own.next_truth, own.next_far)
+    low, high = own.far_position - own.far_margin_below, own.far_position + own.far_margin_above
+    rear, front = _along_the_line(own.world.truth, own.far_end)
+    next_rear, next_front = _along_the_line(own.next_truth, own.next_far_end)
     machine = Machine(
         name="ends",
         modes=table,
@@ -124,9 +124,9 @@ def build(own: Parts) -> TrainEnds:
         state=own.declared.states,
         outputs={
             "valid": both,
-            "position_mm": position_if(both, own.both_position),
-            "margin_below_mm": margin_if(both, own.both_below),
-            "margin_above_mm": margin_if(both, own.both_above),
+            "position_mm": position_if(both, own.far_position),
+            "margin_below_mm": margin_if(both, own.far_margin_below),
+            "margin_above_mm": margin_if(both, own.far_margin_above),
             "faces_upwards": own.upwards,
         },
         transitions=list(_table(own, table)),
@@ -135,16 +135,16 @@ def build(own: Parts) -> TrainEnds:
             choices=own.declared.choices,
             moves={
                 own.world.truth: own.next_truth,
-                own.far: own.next_far,
+                own.far_end: own.next_far_end,
                 train.true_rear: next_rear,
                 train.true_front: next_front,
             },
             clauses=_clauses(own),
         ),
-        initially=_behind(own, own.world.truth, own.far) & train.true_rear.eq(rear) & train.true_front.eq(front),
+        initially=_behind(own, own.world.truth, own.far_end) & train.true_rear.eq(rear) & train.true_front.eq(front),
         lemmas={
-            "the far end is inside": both.implies(between(exact_to(low, NM), own.far, exact_to(high, NM))),
-            "the far end is behind": _behind(own, own.world.truth, own.far),
+            "the far end is inside": both.implies(between(exact_to(low, NM), own.far_end, exact_to(high, NM))),
+            "the far end is behind": _behind(own, own.world.truth, own.far_end),
             "the train lies between its ends": train.true_rear.eq(rear) & train.true_front.eq(front),
         },
         doc=(
@@ -161,7 +161,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     length, limit = own.config.length_mm, own.world.limit_mm
     far, wider = own.position + ite(own.upwards, as_num(-length, MM), length), own.config.length_tolerance_mm
     set_both: dict[Var, Expr] = {
-        own.both_position: far, own.both_below: own.below + wider, own.both_above: own.above + wider
+        own.far_position: far, own.far_margin_below: own.below + wider, own.far_margin_above: own.above + wider
     }  # fmt: skip
     cleared: dict[Var, Expr] = {var: as_num(0, MM) for var in set_both}
     known = own.valid & own.train_whole & between(-limit, far, limit)
@@ -187,7 +187,7 @@ def _behind(own: Parts, front: Num, far: Num) -> Bool:
 def _clauses(own: Parts) -> dict[str, Law]:
     most = own.world.most_nm
     length, slack = own.config.length_mm * NM_PER_MM, own.config.length_tolerance_mm * NM_PER_MM
-    extent = ite(own.upwards, own.next_truth - own.next_far, own.next_far - own.next_truth)
+    extent = ite(own.upwards, own.next_truth - own.next_far_end, own.next_far_end - own.next_truth)
     return {
         "the far end lies behind the near one": Law(
             extent >= 0,
@@ -205,7 +205,7 @@ def _clauses(own: Parts) -> dict[str, Law]:
             "train data entry; on-board integrity monitoring",
         ),
         "the far end never exceeds the highest speed": Law(
-            between(-most, own.next_far - own.far, most),
+            between(-most, own.next_far_end - own.far_end, most),
             "No part of the train runs faster than the line's highest speed.",
             source="[D] line speed",
             owner="operator",

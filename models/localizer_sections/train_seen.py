@@ -81,7 +81,7 @@ class Parts:
     upwards       input: the front end faces growing positions
     known, known_age  the front end's report of the cycle before
     low, high     bounds of the train from a new report
-    downwards     the end towards the low end is the one that is believed without the other
+    low_end_believed     the end towards the low end is the one that is believed without the other
     """
 
     limit_mm: int
@@ -94,7 +94,7 @@ class Parts:
     known_age: NumVar
     low: NumVar
     high: NumVar
-    downwards: BoolVar
+    low_end_believed: BoolVar
 
     @property
     def new(self) -> Bool:
@@ -148,13 +148,13 @@ def build(own: Parts) -> TrainSeen:
         name="trackside",
         modes=table,
         inputs=[*front.inputs, *far.inputs, own.age, own.upwards],
-        state={own.known: False, own.known_age: 0, own.low: 0, own.high: 0, own.downwards: False},
+        state={own.known: False, own.known_age: 0, own.low: 0, own.high: 0, own.low_end_believed: False},
         outputs={
-            "told": current.ne(table[0]),
+            "reported": current.ne(table[0]),
             "low_mm": own.low,
             "high_mm": own.high,
             "integer": current.eq(table[2]),
-            "downwards": own.downwards,
+            "downwards": own.low_end_believed,
         },
         transitions=list(_table(own, table)),
         world=World(
@@ -189,8 +189,8 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     silent, front_only, whole = table
     low, high = _bounds(own)
     last: Updates = {own.known: own.front.valid, own.known_age: ite(own.front.valid, own.age, 0)}
-    reported = together(last, {own.low: low, own.high: high, own.downwards: ~own.upwards})
-    nothing = together(last, {own.low: as_num(0, MM), own.high: as_num(0, MM), own.downwards: FALSE})
+    reported = together(last, {own.low: low, own.high: high, own.low_end_believed: ~own.upwards})
+    nothing = together(last, {own.low: as_num(0, MM), own.high: as_num(0, MM), own.low_end_believed: FALSE})
     fits = between(-own.limit_mm, low, own.limit_mm) & between(-own.limit_mm, high, own.limit_mm)
     yield Transition("new report of both ends", table, whole, own.new & own.far.valid & fits, reported, REQUIREMENTS, 0)
     yield Transition(
@@ -211,13 +211,13 @@ def _bounds(own: Parts) -> tuple[Num, Num]:
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     reported, whole = current.ne(table[0]), current.eq(table[2])
     low, high = exact_to(own.low, NM), exact_to(own.high, NM)
-    front, far, up = own.front.truth, own.far.truth, ~own.downwards
+    front, far, up = own.front.truth, own.far.truth, ~own.low_end_believed
     return {
         "the believed end is the front end's": all_of(
-            [(reported & up).implies(front <= high), (reported & own.downwards).implies(low <= front)]
+            [(reported & up).implies(front <= high), (reported & own.low_end_believed).implies(low <= front)]
         ),
         "a complete train's far end is inside": all_of(
-            [(whole & up).implies(low <= far), (whole & own.downwards).implies(far <= high)]
+            [(whole & up).implies(low <= far), (whole & own.low_end_believed).implies(far <= high)]
         ),
         "bounds in order": own.low <= own.high,
     }

@@ -95,6 +95,6 @@ def _into_track(
         own.high: position + above,
         own.start: groups.flag("reference_accepted"),
         own.turned: course.machine.output("course"),
-        own.ghosts.course: course.own.true,
+        own.ghosts.course: course.own.true_course,
         own.ghosts.next_truth: moves.own.ghosts.truth,
     }

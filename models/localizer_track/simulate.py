@@ -122,10 +122,10 @@ class _Run:
         """Yield each cycle's inputs and ghosts."""
         before, self._state = 0, self._board.first()
         for given in simulate_localizer(self._config.localizer, self._scene.journey, seed=seed):
-            step_nm = given["true_step_nm"]
-            assert isinstance(step_nm, int)
-            yield self._cycle(dict(given), before, before + step_nm)
-            before += step_nm
+            distance_nm = given["true_cycle_distance_nm"]
+            assert isinstance(distance_nm, int)
+            yield self._cycle(dict(given), before, before + distance_nm)
+            before += distance_nm
 
     def _cycle(self, given: dict[str, Cell], before_nm: int, truth_nm: int) -> dict[str, Cell]:
         self._world.go(truth_nm)

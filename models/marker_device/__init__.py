@@ -61,7 +61,7 @@ def compose_machines(config: MarkerDeviceConfig | None = None) -> MarkerDevice:
         NAME,
         [vehicle.machine, receiver.machine, source.machine, restrictive],
         wires,
-        shared=[own.ghosts.truth, own.ghosts.true_step, vehicle.place],
+        shared=[own.ghosts.truth, own.ghosts.true_cycle_distance, vehicle.place],
         discharge=[Clause(source.machine, SATELLITES), restrictive],
     )
     return MarkerDevice(config, whole, vehicle, receiver, source, restrictive)

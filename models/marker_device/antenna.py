@@ -36,7 +36,7 @@ class Antenna:
 def antenna(config: MarkerDeviceConfig) -> Antenna:
     """Build the machine of the vehicle, with its movement."""
     declared, table, moved = Declared(), modes("MOVING"), _movement(config)
-    truth, true_step = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_step)
+    truth, true_cycle_distance = declared.ghost(moved.truth, first=ANY), declared.choice(moved.true_cycle_distance)
     farthest = 2 * reach_nm(config.guard)  # as far as the guard's world lets a vehicle go
     place = declared.ghost(number("antenna_nm", NM, -farthest, farthest), first=ANY)
     laws = _laws(config, moved, place)
@@ -50,7 +50,7 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
         world=World(
             ghosts=declared.ghosts,
             choices=declared.choices,
-            moves={truth: truth + true_step, place: place + true_step},
+            moves={truth: truth + true_cycle_distance, place: place + true_cycle_distance},
             clauses=laws,
         ),
         initially=laws[DATA].term,
@@ -62,7 +62,7 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
 
 def _movement(config: MarkerDeviceConfig) -> Movement:
     line, farthest = config.farthest_mm * NM_PER_MM, config.odometry.max_speed_mm_s * config.odometry.period_ms * 1_000
-    return Movement(number("truth_nm", NM, -line, line), number("true_step_nm", NM, -farthest, farthest))
+    return Movement(number("truth_nm", NM, -line, line), number("true_cycle_distance_nm", NM, -farthest, farthest))
 
 
 def _laws(config: MarkerDeviceConfig, moved: Movement, place: NumVar) -> dict[str, Law]:
@@ -77,7 +77,7 @@ def _laws(config: MarkerDeviceConfig, moved: Movement, place: NumVar) -> dict[st
             "vehicle data entry; positions of the receiver against fixed markers at both readers",
         ),
         "the vehicle stays on the line": Law(
-            between(moved.truth.low, moved.truth + moved.true_step, moved.truth.high),
+            between(moved.truth.low, moved.truth + moved.true_cycle_distance, moved.truth.high),
             "The vehicle does not leave the coordinates of the line.",
             ("position_limit_mm",),
             "[D] 1 000 km of line",

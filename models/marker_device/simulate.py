@@ -28,7 +28,7 @@ FOLDER, SEED, FIX_EVERY_MS = Path(__file__).with_name("recordings"), 5, 400
 KINDS = Kinds("a receiver", {**plain("silent", "across"), "jump": {"by_mm": 180_000}})
 """Faults by cycle: no fix; a fix on a course across the way, 90 m off; a fix `by_mm` along the way."""
 ACROSS_MM, ACROSS_MRAD = 90_000, 600
-SHARED = "true_step_nm"
+SHARED = "true_cycle_distance_nm"
 """The movement in odometry's own steps is that of the whole."""
 LEFT_OUT = ("truth_mm", *odometry_streams.NO_SATELLITES)
 """Names of odometry's own steps: a remark that says what a ghost of the whole has, and inputs that the guard gives."""
@@ -168,8 +168,8 @@ def _fix(config: MarkerDeviceConfig, antenna_nm: int, rng: np.random.Generator, 
 
 def _speeds_um_s(motion: Motion) -> NDArray[np.int64]:
     """Return the speed at the end of each cycle: the mean over the cycles before and after."""
-    after = np.append(motion.step_nm[1:], motion.step_nm[-1:])
-    return np.asarray((motion.step_nm + after) // (2 * motion.period_ms), dtype=np.int64)
+    after = np.append(motion.distance_nm[1:], motion.distance_nm[-1:])
+    return np.asarray((motion.distance_nm + after) // (2 * motion.period_ms), dtype=np.int64)
 
 
 def _worked(scene: Scene) -> WorkedRun[MarkerDeviceConfig]:

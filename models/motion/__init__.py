@@ -30,7 +30,7 @@ from safeloc.models.motion.reported_error import lemmas, with_reported_error
 from safeloc.models.motion.unit_check import UnitCheck, reported_law, unit_check
 from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import ADMITTED, Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import ADMITTED, Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import odometer
 
@@ -96,8 +96,8 @@ class MotionConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap, tolerance = self.gap_limit_cycles, 1
         return Limits(
             self.period_ms, tolerance, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False
@@ -115,7 +115,7 @@ class Parts:
     def __init__(self, config: MotionConfig) -> None:
         self.declared = declared = Declared()
         self.config, limits = config, config.limits
-        farthest, check = limits.max_step_mm, config.check
+        farthest, check = limits.max_cycle_distance_mm, config.check
         self.odometer = odometer(config.odometer, limits).declare(declared)
         self.check = None
         if check is not None:
@@ -164,7 +164,7 @@ class Motion:
         seen = self.own.ghosts
         return [
             seen.truth,
-            seen.true_step,
+            seen.true_cycle_distance,
             *([] if seen.units is None else (seen.units.reported, seen.units.next_reported)),
         ]
 
@@ -219,7 +219,7 @@ def _checked(check: UnitCheck | None) -> Iterator[Updates]:
     if check is not None:
         yield check.unit.listen()
         yield {check.apart: check.apart_after, check.reported: check.checked, check.more: check.beyond}
-        yield {check.unheard: check.unheard_after}
+        yield {check.unreported: check.unheard_after}
 
 
 def _outputs(own: Parts) -> dict[str, Expr]:
@@ -227,7 +227,7 @@ def _outputs(own: Parts) -> dict[str, Expr]:
     if own.check is None:
         return outputs
     reported: dict[str, Expr] = {
-        "told": own.check.reported,
+        "reported": own.check.reported,
         "more_nm": own.check.more,
         "check_measured": own.check.unit.last_verdict,
     }

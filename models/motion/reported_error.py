@@ -51,4 +51,4 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
 
 
 def _not_yet_added(seen: CheckGhosts, apart: Num) -> Num:
-    return ite(seen.lawful.eq(ODOMETER_LAWFUL), as_num(0, NM), apart)
+    return ite(seen.lawful_unit.eq(ODOMETER_LAWFUL), as_num(0, NM), apart)

@@ -18,7 +18,7 @@ from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
 
-_TOLD = ("distance_mm", "told", "more_nm")
+_TOLD = ("distance_mm", "reported", "more_nm")
 
 
 @lru_cache(maxsize=8)
@@ -76,7 +76,7 @@ def _measured_alike(
     rngs: Sequence[np.random.Generator],
     faults: Sequence[Sequence[Fault]],
 ) -> Distances:
-    vehicles, true = len(rngs), motion.step_nm[:, None]
+    vehicles, true = len(rngs), motion.distance_nm[:, None]
     severity, dropout = [SEVERITY] * vehicles, [0.0] * vehicles
     return measure_many(name, true, motion.period_ms, law, rngs, dropout=dropout, severity=severity, faults=faults)
 
@@ -92,16 +92,16 @@ def _reported(config: MotionConfig, odometer: Distances, check: Distances | None
     if config.check is None or check is None:
         return odometer
     code = _on_board(config.model_dump_json(), libraries)
-    inputs = absent_everywhere(code.system, *odometer.step_mm.shape)
+    inputs = absent_everywhere(code.system, *odometer.distance_mm.shape)
     for name, unit in (("odometer_mm", odometer), ("check_mm", check)):
-        inputs[name], inputs[f"{name}.present"] = np.where(unit.present, unit.step_mm, 0), unit.present
+        inputs[name], inputs[f"{name}.present"] = np.where(unit.present, unit.distance_mm, 0), unit.present
     runs = code.begin(through_border(code.system, inputs)[0])
     step, more, present = (
-        np.zeros_like(odometer.step_mm),
-        np.zeros_like(odometer.step_mm),
+        np.zeros_like(odometer.distance_mm),
+        np.zeros_like(odometer.distance_mm),
         np.zeros_like(odometer.present),
     )
     for cycle in range(len(step)):
         runs.step(cycle)
         step[cycle], present[cycle], more[cycle] = (runs.told[name] for name in _TOLD)
-    return replace(odometer, step_mm=step, present=present, more_nm=more)
+    return replace(odometer, distance_mm=step, present=present, more_nm=more)

@@ -62,7 +62,7 @@ class UnitCheck:
     creep_nm    the fastest creep of a vehicle that counts as standing, nm a cycle; None: no vehicle counts as standing
     apart       the difference of both units that has not been added to the error bound, nm
     reported, more  the last cycle's distance is reported, and the error to add beyond the odometer's law, nm
-    unheard     cycles since a distance was reported
+    unreported     cycles since a distance was reported
     """
 
     odometer: Odometer
@@ -72,7 +72,7 @@ class UnitCheck:
     apart: NumVar
     reported: BoolVar
     more: NumVar
-    unheard: NumVar
+    unreported: NumVar
 
     @cached_property
     def checked(self) -> Bool:
@@ -107,7 +107,7 @@ class UnitCheck:
     @property
     def failed(self) -> Bool:
         """No distance was reported for longer than permitted."""
-        return ~self.checked & (self.unheard + 1 > self._unheard_limit)
+        return ~self.checked & (self.unreported + 1 > self._unheard_limit)
 
     @property
     def _unheard_limit(self) -> int:
@@ -163,7 +163,7 @@ class UnitCheck:
     @property
     def unheard_after(self) -> Num:
         """Cycles since a distance was reported, after this one, counted up to one more than permitted."""
-        return ite(self.checked, as_num(0, COUNT), minimum(self.unheard + 1, self._unheard_limit + 1))
+        return ite(self.checked, as_num(0, COUNT), minimum(self.unreported + 1, self._unheard_limit + 1))
 
 
 def unit_check(
@@ -178,7 +178,11 @@ def unit_check(
         band,
         creep,
         apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
-        reported=declared.state(boolean("distance_told"), first=False),
-        more=declared.state(number("told_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)), first=0),
-        unheard=declared.state(number("unheard_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1),
+        reported=declared.state(boolean("distance_reported"), first=False),
+        more=declared.state(
+            number("reported_more_nm", NM, 0, most_further_error_nm(limits.max_cycle_distance_mm)), first=0
+        ),
+        unreported=declared.state(
+            number("unreported_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1
+        ),
     )

@@ -56,13 +56,13 @@ class UnitGhosts:
 class CheckGhosts:
     """Ghosts of two units that check each other.
 
-    lawful                     the unit that keeps its law; the other one may deliver anything
+    lawful_unit                     the unit that keeps its law; the other one may deliver anything
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
     reported, next_reported    the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
     odometer, check            the distances of either unit
     """
 
-    lawful: NumVar
+    lawful_unit: NumVar
     wander: NumVar
     next_wander: NumVar
     reported: NumVar
@@ -76,7 +76,7 @@ class Ghosts:
     """The world's variables: place of the front end and its run in the cycle, nm; and those of two units that check each other."""
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
     units: CheckGhosts | None
 
 
@@ -87,7 +87,7 @@ def ghosts(
     line = line_mm * NM_PER_MM
     return Ghosts(
         declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
-        declared.choice(number("true_step_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
+        declared.choice(number("true_cycle_distance_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
         None if laws is None else _units(declared, physics, laws, reported),
     )
 
@@ -97,7 +97,7 @@ def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw]
         max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [reported.constant_mm])
     )
     return CheckGhosts(
-        lawful=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
+        lawful_unit=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
         wander=declared.ghost(number("lawful_wander_nm", NM, -most, most), first=ANY),
         next_wander=declared.choice(number("lawful_next_wander_nm", NM, -most, most)),
         odometer=_unit(declared, physics, "odometer"),
@@ -111,7 +111,7 @@ def _unit(declared: Declared, physics: Physics, name: str) -> UnitGhosts:
     farthest = physics.farthest_mm
     silent = number(f"{name}_silent_cycles", COUNT, 0, physics.longest_cycles)
     return UnitGhosts(
-        declared.ghost(number(f"{name}_heard_mm", MM, -farthest, farthest), first=0),
+        declared.ghost(number(f"{name}_last_delivered_mm", MM, -farthest, farthest), first=0),
         declared.ghost(silent, first=physics.gap_limit_cycles + 1),
     )
 
@@ -147,17 +147,17 @@ class Surroundings:
         """The one-off part of the lawful unit's error after the cycle: it rests where that unit measures nothing."""
         seen, (odometer, check) = self.ghosts.units, self.units
         assert seen is not None
-        measures = ite(seen.lawful.eq(ODOMETER_LAWFUL), odometer.can_be_run, check.can_be_run)
+        measures = ite(seen.lawful_unit.eq(ODOMETER_LAWFUL), odometer.can_be_run, check.can_be_run)
         return ite(measures, seen.next_wander, seen.wander)
 
 
 def world(declared: Declared, own: Surroundings) -> World:
     """Make the world: the true movement, and the laws of the vehicle and of the lawful unit."""
     seen = own.ghosts
-    moves: dict[Var, Expr] = {seen.truth: seen.truth + seen.true_step}
+    moves: dict[Var, Expr] = {seen.truth: seen.truth + seen.true_cycle_distance}
     laws = _vehicle_laws(own)
     if seen.units is not None:
-        moves |= {seen.units.lawful: seen.units.lawful, seen.units.wander: own.wander_after}
+        moves |= {seen.units.lawful_unit: seen.units.lawful_unit, seen.units.wander: own.wander_after}
         for unit in own.units:
             moves |= unit.moves()
         laws |= _unit_laws(own, seen.units)
@@ -173,7 +173,7 @@ def initially(own: Surroundings) -> Bool:
         return as_num(0, NM).eq(0)
     halves = [_half(own, lawful) for lawful in LAWFUL]
     within = [
-        seen.lawful.eq(lawful).implies(between(-half, seen.wander, half))
+        seen.lawful_unit.eq(lawful).implies(between(-half, seen.wander, half))
         for lawful, half in zip(LAWFUL, halves, strict=True)
     ]
     return all_of([*within, seen.reported.eq(seen.wander)])
@@ -186,10 +186,10 @@ def _half(own: Surroundings, lawful: object) -> int:
 
 def _vehicle_laws(own: Surroundings) -> dict[str, Law]:
     seen, farthest = own.ghosts, own.physics.farthest_nm
-    line = between(seen.truth.low, seen.truth + seen.true_step, seen.truth.high)
+    line = between(seen.truth.low, seen.truth + seen.true_cycle_distance, seen.truth.high)
     return {
         "the vehicle never exceeds its highest speed": Law(
-            between(-farthest, seen.true_step, farthest),
+            between(-farthest, seen.true_cycle_distance, farthest),
             "The vehicle runs no faster than its highest speed, either way.",
             ("max_speed_mm_s", "period_ms"),
             "[D] 160 km/h",
@@ -218,11 +218,11 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str, field: str) -> Law:
-    error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = own.ghosts.true_cycle_distance - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
     return Law(
-        (seen.lawful.eq(lawful) & unit.can_be_run).implies(kept),  # type: ignore[arg-type]
+        (seen.lawful_unit.eq(lawful) & unit.can_be_run).implies(kept),  # type: ignore[arg-type]
         f"One unit keeps its law for good, nobody knows which. Where it is the {name}: what it measures in a cycle is wrong by "
         "no more than rate and floor of the MEASURED distance allow, and by the change of a one-off part within half its "
         "constant; or no vehicle can have run it.",
@@ -239,9 +239,9 @@ def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
     nothing = all_of([odometer.can_be_run, check.can_be_run, odometer.measured.value.eq(0)])
     still = nothing & (check.measured.value <= floor) & (check.measured.value >= -floor)
     creep = creep_mm_s * own.physics.period_ms * (NM_PER_MM // THOUSAND)
-    stands = between(-creep, own.ghosts.true_step, creep) & seen.next_wander.eq(seen.wander)
+    stands = between(-creep, own.ghosts.true_cycle_distance, creep) & seen.next_wander.eq(seen.wander)
     return Law(
-        (still & seen.lawful.eq(CHECK_LAWFUL)).implies(stands),
+        (still & seen.lawful_unit.eq(CHECK_LAWFUL)).implies(stands),
         "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or creeps no faster "
         "than configured, even if the odometer is the unit that may fail: a vehicle that creeps faster with a locked wheel, and "
         "slower than the floor (2 km/h for a radar), breaks this law, and no error is added for what it creeps beyond.",

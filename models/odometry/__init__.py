@@ -246,7 +246,7 @@ def _becomes(device: Device, state: DeviceState) -> Updates:
 def _identities(own: Parts, found: Remembered) -> Updates:
     """The identities that wait for the trailing reader, and the marker that the leading reader read last."""
     waiting: Updates = dict(zip(own.pending.places, found.pending, strict=True))
-    return together(waiting, {own.last_marker: found.last_marker, own.last_place: found.last_place})
+    return together(waiting, {own.last_marker: found.last_marker, own.last_marker_position: found.last_place})
 
 
 def _identities_unless_turned(own: Parts, cycle: Judgement) -> Updates:
@@ -256,7 +256,7 @@ def _identities_unless_turned(own: Parts, cycle: Judgement) -> Updates:
 
 def _candidate_of_satellites(own: Parts, is_so: Bool) -> Updates:
     """The candidate is, or is not, a position of satellites, where they give any."""
-    return {} if own.satellites is None else {own.satellites.gave_candidate: is_so}
+    return {} if own.satellites is None else {own.satellites.candidate_of_satellites: is_so}
 
 
 def _no_identities(own: Parts) -> Updates:

@@ -25,7 +25,7 @@ NEVER = {
     "models/odometry/variables.py: length is None": "a vehicle whose length is an input belongs to the marker field: tests/theorems/odometry/marker_field.py, proved by tests/models",
     "models/odometry/variables.py: length is not None": "a vehicle whose length is an input belongs to the marker field: tests/theorems/odometry/marker_field.py, proved by tests/models",
     "models/odometry/world.py: own.length is None": "a vehicle whose length is an input belongs to the marker field: tests/theorems/odometry/marker_field.py, proved by tests/models",
-    "models/odometry/world.py: between(-farthest, seen.true_step, farthest) from _vehicle_laws(own)": "the choice has this range; the clause names it for the register of assumptions",
+    "models/odometry/world.py: between(-farthest, seen.true_cycle_distance, farthest) from _vehicle_laws(own)": "the choice has this range; the clause names it for the register of assumptions",
     "models/odometry/world.py: own.ghosts.faulty is None or own.config.single_fault_safe": "a world with a fault that may hide is no shipped target: tests/models/test_odometry_faults.py proves it",
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from unit.law.portion(share_ppm).growth_nm(self.reach, self.age,  ...": "the law of a part of a cycle has no drift (ErrorLaw.portion)",
     "models/vocabulary/interval.py: self.above + both_sides_nm from self.widened(self.unseen_nm)": "a position of satellites is of the cycle's end: nothing was run since",

@@ -191,7 +191,7 @@ class Judgement:
         passed = [(r.consistent & ~r.leading, own.readers[r.end].marker.value) for r in self.readings]
         zero = as_num(0, COUNT)
         last = first_of(*((ok, by.marker.value) for ok, by in led), default=own.last_marker)
-        place = first_of(*((ok, by.place.value) for ok, by in led), default=own.last_place)
+        place = first_of(*((ok, by.place.value) for ok, by in led), default=own.last_marker_position)
         queue = own.pending.after(
             passed[0][0] | passed[1][0], first_of(*passed, default=zero), led[0][0] | led[1][0], last, ~self.reversed
         )
@@ -246,7 +246,7 @@ def _position(
         (any_of(reading.accepted | reading.is_candidate for reading in readings), NOT_BETTER),
         (~alive, TOO_COARSE),
         (situation.lost, ACCEPTED if own.config.trust_first_marker else CANDIDATE),
-        (situation.candidate & (reader.gave_candidate | ~reference.alive | outside), CANDIDATE),
+        (situation.candidate & (reader.candidate_of_satellites | ~reference.alive | outside), CANDIDATE),
         (~reference.alive, UNCONFIRMED),
         (outside, OUT_OF_WINDOW),
         (situation.located & kept, NOT_BETTER),
@@ -308,5 +308,5 @@ def _reading(own: Parts, end: int, cycles: tuple[Cycle, ...], reference: Values,
 def _behind(own: Parts, end: int) -> Bool:
     """The marker lies behind the last one that the leading reader read, or at the same place."""
     place = own.readers[end].place.value
-    behind = ite(own.backwards, place >= own.last_place, place <= own.last_place)
+    behind = ite(own.backwards, place >= own.last_marker_position, place <= own.last_marker_position)
     return all_of([own.last_marker.ne(0), behind])

@@ -99,9 +99,9 @@ class Unit:
     def verdict(self) -> Num:
         """Return the verdict on the cycle's distance: admitted, or why not. Its limits are configured, never measured."""
         known = self.gap <= self.limits.gap_limit
-        allowed = (self.gap + 1) * self.limits.max_step_change_mm
+        allowed = (self.gap + 1) * self.limits.max_cycle_distance_change_mm
         jump = known & (abs_(self.measured.value - self.last) > _as_mm(allowed))
-        too_fast = abs_(self.measured.value) > self.limits.max_step_mm
+        too_fast = abs_(self.measured.value) > self.limits.max_cycle_distance_mm
         return ite(~self.measured.present, MISSING, ite(too_fast, TOO_FAST, ite(jump, JUMP, ADMITTED)))
 
 
@@ -170,7 +170,11 @@ def device(declared: Declared, name: str, laws: tuple[ErrorLaw, ErrorLaw], limit
 
 
 def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
-    reach, farthest, longest = 2 * limits.max_step_mm + 1_000, limits.position_limit_mm, limits.max_step_mm
+    reach, farthest, longest = (
+        2 * limits.max_cycle_distance_mm + 1_000,
+        limits.position_limit_mm,
+        limits.max_cycle_distance_mm,
+    )
     return Unit(
         name,
         law,
@@ -181,7 +185,7 @@ def _unit(declared: Declared, name: str, law: ErrorLaw, limits: Limits) -> Unit:
         below=declared.state(number(f"{name}_margin_below_nm", NM, 0, limits.tolerance_nm), first=0),
         last=declared.state(number(f"{name}_last_mm", MM, -longest, longest), first=0),
         gap=declared.state(number(f"{name}_gap_cycles", COUNT, 0, limits.lone_limit + 1), first=limits.gap_limit + 1),
-        last_verdict=declared.state(choice(f"{name}_judged", enumeration(MEASURED)), first=MISSING),
+        last_verdict=declared.state(choice(f"{name}_last_verdict", enumeration(MEASURED)), first=MISSING),
         limits=limits,
     )
 

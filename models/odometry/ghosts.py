@@ -62,7 +62,7 @@ class Movement:
     """The true movement of a vehicle: end A along the line, and its run in the cycle, nm."""
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
 
 
 def movement(bounds: Bounds) -> Movement:
@@ -70,17 +70,17 @@ def movement(bounds: Bounds) -> Movement:
     line_nm = bounds.line_mm * NM_PER_MM
     return Movement(
         number("truth_nm", NM, -line_nm, line_nm),
-        number("true_step_nm", NM, -bounds.farthest_nm, bounds.farthest_nm),
+        number("true_cycle_distance_nm", NM, -bounds.farthest_nm, bounds.farthest_nm),
     )
 
 
 class Ghosts:
     """The world's variables.
 
-    truth, true_step   end A along the line, and its true run in the cycle, nm
+    truth, true_cycle_distance   end A along the line, and its true run in the cycle, nm
     length             the true distance from end B to end A in the cycle
     since_stray        the time since a reader last read a marker that was not under it
-    faulty             the unit that may break its law, or NONE; only with a possible fault
+    faulty_unit             the unit that may break its law, or NONE; only with a possible fault
     unseen             for each device, what an undetectably small fault may have added; only where the margins do not cover it
     """
 
@@ -97,17 +97,17 @@ class Ghosts:
         longest_nm = bounds.longest_mm * NM_PER_MM
         units = [unit for device in devices for unit in device.units]
         self.truth = declared.ghost(moved.truth, first=ANY)
-        self.true_step = declared.choice(moved.true_step)
+        self.true_cycle_distance = declared.choice(moved.true_cycle_distance)
         self.length = declared.choice(number("true_length_nm", NM, 0, longest_nm))
         since_stray = number("since_stray_ms", MS, 0, bounds.age_limit_ms + bounds.period_ms)
         self.since_stray = declared.ghost(since_stray, first=ANY)
         self.units = tuple(_of_unit(declared, bounds, unit) for unit in units)
         self.readers = tuple(_of_reader(declared, bounds, name) for name in READERS)
-        self.faulty: NumVar | None = None
+        self.faulty_unit: NumVar | None = None
         self.unseen: tuple[NumVar, ...] = ()
         if with_fault:
             names = enumeration(members("faulty", "NONE", *(unit.name for unit in units)))
-            self.faulty = declared.ghost(choice("faulty_unit", names), first=ANY)
+            self.faulty_unit = declared.ghost(choice("faulty_unit", names), first=ANY)
         if with_fault and not covered:
             self.unseen = tuple(
                 declared.ghost(unseen(device), first=unseen_at_reading_nm(device)) for device in devices
@@ -126,7 +126,7 @@ def _of_unit(declared: Declared, bounds: Bounds, unit: Unit) -> UnitGhosts:
     most, name, step = unit.law.constant_mm * NM_PER_MM // 2, unit.name, unit.measured.value
     wander = declared.ghost(number(f"{name}_wander_nm", NM, -most, most), first=ANY)
     next_wander = declared.choice(number(f"{name}_next_wander_nm", NM, -most, most))
-    last_delivered = declared.ghost(number(f"{name}_heard_mm", MM, step.low, step.high), first=0)
+    last_delivered = declared.ghost(number(f"{name}_last_delivered_mm", MM, step.low, step.high), first=0)
     silent = number(f"{name}_silent_cycles", COUNT, 0, bounds.lone_limit_cycles + 1)
     declared.ghost(silent, first=bounds.gap_limit_cycles + 1)
     if not unit.law.drift_mm_s2:

@@ -37,7 +37,7 @@ def unseen_at_reading_nm(device: Device) -> int:
 def _unseen_in_a_cycle_nm(device: Device) -> int:
     """Return the most that a fault may add in one cycle undetected: twice the greater law at top speed and full age, nm."""
     limits = device.limits
-    farthest, oldest = Lit(limits.max_step_mm, MM), Lit(limits.age_limit_ms, MS)
+    farthest, oldest = Lit(limits.max_cycle_distance_mm, MM), Lit(limits.age_limit_ms, MS)
     growths = [unit.law.growth_nm(farthest, oldest, limits.period_ms) for unit in device.units]
     return 2 * max(growth.value for growth in growths if isinstance(growth, Lit))
 

@@ -50,7 +50,7 @@ def _set_no_earlier(own: Parts, index: int, device: Device) -> Bool:
 def _holds(own: Parts, unit: Unit) -> Bool:
     """The interval holds the truth: by the own wander, or, of a faulty unit, by that of the unit that checks it."""
     itself = _inside(own, unit, unit, as_num(0, NM))
-    if own.ghosts.faulty is None:
+    if own.ghosts.faulty_unit is None:
         return itself
     device, checker = own.partner(unit)
     unseen = own.ghosts.unseen[own.devices.index(device)] if own.ghosts.unseen else as_num(0, NM)

@@ -71,7 +71,7 @@ def simulate_many(
     cycles, vehicles = position.shape
     inputs = absent_everywhere(system, cycles, vehicles)
     true = np.diff(position, axis=0, prepend=np.int64(0))
-    inputs["true_step_nm"][:] = true
+    inputs["true_cycle_distance_nm"][:] = true
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
     for name, law in _units_of(config).items():
         _measure(inputs, name, law, true, config.period_ms, drawn, rng)
@@ -102,10 +102,10 @@ def simulate_alike(
         first_unit=first_unit, second_unit=second_unit, anywhen=True,
     )  # fmt: skip
     inputs = absent_everywhere(system, cycles, vehicles)
-    inputs["true_step_nm"][:] = motion.step_nm[:, None]
+    inputs["true_cycle_distance_nm"][:] = motion.distance_nm[:, None]
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
     for unit in units:
-        inputs[f"{unit.name}_mm"] = np.where(unit.present, unit.step_mm, 0)
+        inputs[f"{unit.name}_mm"] = np.where(unit.present, unit.distance_mm, 0)
         inputs[f"{unit.name}_mm.present"], inputs[f"{unit.name}_next_wander_nm"] = unit.present, unit.wander_nm
     for run, read in enumerate(readings):
         for one in read:

@@ -106,7 +106,7 @@ class Reader:
 
 
 def reader(declared: Declared, name: str, *, offset: Num, offset_tolerance_mm: int, accuracy_mm: int, latency_ppm: int,
-           since_ppm: int, unsteady_nm: tuple[int, int], position_limit_mm: int, max_step_mm: int,
+           since_ppm: int, unsteady_nm: tuple[int, int], position_limit_mm: int, max_cycle_distance_mm: int,
            last_identity: int) -> Reader:  # fmt: skip
     """Declare the variables of a reader, named `name_marker...`."""
     return Reader(
@@ -114,7 +114,7 @@ def reader(declared: Declared, name: str, *, offset: Num, offset_tolerance_mm: i
         marker=declared.sensor(optional(f"{name}_marker", COUNT, 1, last_identity)),
         place=declared.sensor(optional(f"{name}_marker_position_mm", MM, -position_limit_mm, position_limit_mm)),
         accuracy=declared.sensor(optional(f"{name}_marker_accuracy_mm", MM, 0, 1_000_000)),
-        since=declared.sensor(optional(f"{name}_marker_since_mm", MM, -max_step_mm, max_step_mm)),
+        since=declared.sensor(optional(f"{name}_marker_since_mm", MM, -max_cycle_distance_mm, max_cycle_distance_mm)),
         verdict=declared.state(choice(f"{name}_reading", enumeration(READING)), first=NONE),
         offset=offset,
         offset_tolerance_mm=offset_tolerance_mm,

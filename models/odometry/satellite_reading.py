@@ -34,14 +34,14 @@ class SatelliteReader:
 
     place, below, above   inputs: place of end A at the end of the cycle; how far its true place may lie below it, and above
     verdict               state: the verdict on the cycle's position
-    gave_candidate        state: the candidate is a position of satellites, which no other one of them confirms
+    candidate_of_satellites        state: the candidate is a position of satellites, which no other one of them confirms
     """
 
     place: Optional
     below: NumVar
     above: NumVar
     verdict: NumVar
-    gave_candidate: BoolVar
+    candidate_of_satellites: BoolVar
 
     @property
     def fix(self) -> Fix:
@@ -58,5 +58,5 @@ def satellite_reader(declared: Declared, position_limit_mm: int) -> SatelliteRea
         below=declared.sensor(number("satellite_margin_below_mm", MM, 0, WIDEST_MM)),
         above=declared.sensor(number("satellite_margin_above_mm", MM, 0, WIDEST_MM)),
         verdict=declared.state(choice("satellite_reading", enumeration(READING)), first=NONE),
-        gave_candidate=declared.state(boolean("candidate_of_satellites"), first=False),
+        candidate_of_satellites=declared.state(boolean("candidate_of_satellites"), first=False),
     )

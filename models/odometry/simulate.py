@@ -126,7 +126,7 @@ def _measured(
     dropout: float,
     faults: Sequence[Sequence[Fault]],
 ) -> Distances:
-    vehicles, true = len(rngs), motion.step_nm[:, None]
+    vehicles, true = len(rngs), motion.distance_nm[:, None]
     return measure_many(
         name,
         true,
@@ -143,14 +143,14 @@ def _steps(
     config: OdometryConfig, motion: Motion, distances: Sequence[Distances], readings: Sequence[Reading]
 ) -> Steps:
     steps: Steps = []
-    true, before = motion.step_nm, {unit.name: 0 for unit in distances}
+    true, before = motion.distance_nm, {unit.name: 0 for unit in distances}
     for number in range(len(true)):
-        step: dict[str, int | bool] = {"true_step_nm": int(true[number])}
+        step: dict[str, int | bool] = {"true_cycle_distance_nm": int(true[number])}
         step |= {"true_length_nm": config.vehicle_length_mm * NM_PER_MM, **_NO_MARKERS}
         step |= NO_SATELLITES if config.satellite_markers else {}
         for unit in distances:
             if unit.present[number]:
-                step[f"{unit.name}_mm"] = int(unit.step_mm[number])
+                step[f"{unit.name}_mm"] = int(unit.distance_mm[number])
                 before[unit.name] = int(unit.wander_nm[number])
             step[f"{unit.name}_next_wander_nm"] = before[unit.name]
         step["truth_mm"] = int(motion.position_nm[number]) // NM_PER_MM

@@ -15,7 +15,7 @@ from safeloc.models.odometry.ghosts import Bounds, Ghosts, Movement, movement
 from safeloc.models.odometry.marker_reading import Reader, pending, reader
 from safeloc.models.odometry.satellite_reading import SatelliteReader, satellite_reader
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
 
@@ -93,8 +93,8 @@ class OdometryConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the devices, rounded so that the checks are no tighter than physics."""
-        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, self.gap_limit_cycles,
             self.lone_limit_cycles, self.age_limit_ms, self.position_limit_mm, self.single_fault_safe,
@@ -109,7 +109,7 @@ class Parts:
     satellites    what gives positions of satellites; None where markers alone are read
     pending       identities that wait for their trailing reading
     backwards     the vehicle runs towards end B; rolled: distance run against that without a break
-    last_marker, last_place   the marker that the leading reader read last; 0: none
+    last_marker, last_marker_position   the marker that the leading reader read last; 0: none
     length        input: the vehicle length, where it is not configured
     ghosts        of the world
     """
@@ -141,7 +141,7 @@ class Parts:
         self.backwards = declared.state(boolean("backwards"), first=False)
         self.rolled = declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0)
         self.last_marker = declared.state(number("last_marker", COUNT, 0, identities), first=0)
-        self.last_place = declared.state(number("last_marker_position_mm", MM, -place, place), first=0)
+        self.last_marker_position = declared.state(number("last_marker_position_mm", MM, -place, place), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
         bounds = _bounds(config, config.vehicle_length_mm if length is None else length.high)
         self.ghosts = Ghosts(
@@ -203,6 +203,6 @@ def _reader(declared: Declared, config: OdometryConfig, name: str, offset: Num, 
         since_ppm=max(config.first_unit.rate_ppm, config.second_unit.rate_ppm),
         unsteady_nm=(config.unsteady_nm(config.reader_latency_ms), config.unsteady_nm(config.period_ms)),
         position_limit_mm=config.position_limit_mm,
-        max_step_mm=config.limits.max_step_mm,
+        max_cycle_distance_mm=config.limits.max_cycle_distance_mm,
         last_identity=config.last_marker_identity,
     )

@@ -55,8 +55,8 @@ def world(own: Parts) -> World:
         moves |= {of_unit.wander: ite(unit.can_be_run, of_unit.next_wander, of_unit.wander), **unit.moves()}
         if of_unit.unset is not None:
             moves[of_unit.unset] = _unset(own, index, of_unit.unset)
-    if seen.faulty is not None:
-        moves[seen.faulty] = seen.faulty
+    if seen.faulty_unit is not None:
+        moves[seen.faulty_unit] = seen.faulty_unit
     return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
 
 
@@ -78,7 +78,7 @@ def _laws(own: Parts) -> dict[str, Law]:
 
 def _after(own: Parts) -> Num:
     """Return the place of end A at the end of the cycle, nm."""
-    return own.ghosts.truth + own.ghosts.true_step
+    return own.ghosts.truth + own.ghosts.true_cycle_distance
 
 
 # ------------------------------------------------------------------ units
@@ -111,7 +111,7 @@ _OF_A_UNIT = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "drift_mm_s2
 
 def _unit_law(own: Parts, index: int) -> Law:
     unit, seen, delivers = own.units[index], own.ghosts.units[index], measuring(own, index)
-    error = own.ghosts.true_step - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = own.ghosts.true_cycle_distance - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
     kept = delivers.allows(error, None if seen.unset is None else seen.unset + own.config.period_ms)
     return Law(
         (delivers.can_be_run & lawful(own, unit)).implies(kept),
@@ -132,14 +132,14 @@ def _unit_law(own: Parts, index: int) -> Law:
 
 def lawful(own: Parts, unit: Unit) -> Bool:
     """Return whether the unit obeys its error law; in a machine without faults every unit does."""
-    if own.ghosts.faulty is None:
+    if own.ghosts.faulty_unit is None:
         return TRUE
-    return own.ghosts.faulty.ne(Lit(1 + own.units.index(unit), own.ghosts.faulty.unit))
+    return own.ghosts.faulty_unit.ne(Lit(1 + own.units.index(unit), own.ghosts.faulty_unit.unit))
 
 
 def _never_alone(own: Parts) -> dict[str, Law]:
     """Assume, if a lone distance is used, that the distance of a faulty unit never comes alone."""
-    if own.ghosts.faulty is None or own.config.single_fault_safe:
+    if own.ghosts.faulty_unit is None or own.config.single_fault_safe:
         return {}
     pairs = [(2 * number, 2 * number + 1) for number in range(len(own.devices))]
     term = all_of(
@@ -194,7 +194,7 @@ def _measured(reader: Reader) -> Num:
 
 def _ran_in(own: Parts, window_ms: int) -> tuple[Num, Num]:
     """Return the least and the greatest run of the vehicle in up to so many ms of the cycle, nm x twice the period."""
-    config, ran = own.config, own.ghosts.true_step * (2 * window_ms)
+    config, ran = own.config, own.ghosts.true_cycle_distance * (2 * window_ms)
     unsteady = config.max_acceleration_mm_s2 * config.period_ms**2 * window_ms
     return minimum(ran, 0) - unsteady, maximum(ran, 0) + unsteady
 
@@ -298,7 +298,7 @@ def _vehicle_laws(own: Parts) -> dict[str, Law]:
     slack = config.vehicle_length_tolerance_mm * NM_PER_MM
     return {
         "the vehicle never exceeds its highest speed": Law(
-            between(-farthest, seen.true_step, farthest),
+            between(-farthest, seen.true_cycle_distance, farthest),
             "The vehicle runs no faster than its highest speed, either way.",
             ("max_speed_mm_s", "period_ms"),
             "[D] 160 km/h",

@@ -115,11 +115,11 @@ def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]
         "searching": current.one_of(reference, search),
         "source": ite(precise, BY_REFLECTOR, ite(valid, BY_ODOMETRY, NO_SOURCE)),
         "error": own.error,
-        "recognised": own.recognised,
+        "recognised": own.recognised_now,
         "reflector_model": ite(sighted, own.target.model, NO_MODEL),
         "reflector_position_mm": position_if(sighted, own.target.position),
         "range_mm": own.range,
-        "range_error_mm": own.range_error,
+        "range_error_mm": own.measured_error,
         "lateral_mm": own.lateral,
     }
 
@@ -192,7 +192,7 @@ def _lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
         "the reference is where the balise has it": (current.eq(reference) & on_map).implies(
             between(
                 -own.config.map_accuracy_mm,
-                own.reference - own.run + anchor.position - own.target.position,
+                own.reference - own.run_since_balise + anchor.position - own.target.position,
                 own.config.map_accuracy_mm,
             )
         ),

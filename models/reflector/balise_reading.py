@@ -22,7 +22,7 @@ class BaliseReading:
     position   place of end A when it passes the balise
     since      distance run since then, as latched by the counters
     reference  telegram: distance from balise to reflector
-    search     telegram: distance after the balise from which on the reflector is searched (RFL-8)
+    search_from     telegram: distance after the balise from which on the reflector is searched (RFL-8)
     """
 
     identity: Optional
@@ -30,7 +30,7 @@ class BaliseReading:
     accuracy: Optional
     since: Optional
     reference: Optional
-    search: Optional
+    search_from: Optional
     accuracy_mm: int
     latency_ppm: int
     law_ppm: int
@@ -57,7 +57,7 @@ class BaliseReading:
 def balise_reading(
     declared: Declared,
     limit_mm: int,
-    max_step_mm: int,
+    max_cycle_distance_mm: int,
     range_limit_mm: int,
     last_identity: int,
     *,
@@ -70,7 +70,7 @@ def balise_reading(
         declared.sensor(optional("balise", COUNT, 1, last_identity)),
         declared.sensor(optional("balise_position_mm", MM, -limit_mm, limit_mm)),
         declared.sensor(optional("balise_accuracy_mm", MM, 0, 100_000)),
-        declared.sensor(optional("balise_since_mm", MM, -max_step_mm, max_step_mm)),
+        declared.sensor(optional("balise_since_mm", MM, -max_cycle_distance_mm, max_cycle_distance_mm)),
         declared.sensor(optional("balise_reference_mm", MM, 0, range_limit_mm)),
         declared.sensor(optional("balise_search_from_mm", MM, 0, range_limit_mm)),
         accuracy_mm,

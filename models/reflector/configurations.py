@@ -12,7 +12,7 @@ ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=2
 NEVER = {
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.measured.value), as_num(0, MS), ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
     "models/reflector/echo.py: ite(now.testing, now.alone(reflector), apart) from judge(one, reflector, searched, now)": "so for the next reflector alone: a self-test measures the reference reflector, never the one behind it",
-    "properties/reflector/not_found.py: between(-far, own.run, far) from yield from maker(model)": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
+    "properties/reflector/not_found.py: between(-far, own.run_since_balise, far) from yield from maker(model)": "its sides are the bounds of the declared range: the claim is proved by the range obligation",
 }
 """Case splits that no configuration makes live, with the reason."""
 CONFIGURATIONS = Configurations(

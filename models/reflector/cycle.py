@@ -206,8 +206,8 @@ class Judgement:
     def lost(self) -> Bool:
         """Too many cycles without a frame, or too many frames without the target's echo; the two are counted apart."""
         config, own = self.own.config, self.own
-        missed = own.frame & (own.misses >= config.loss_limit_cycles)
-        return missed | (~own.frame & (own.pauses >= config.pause_limit_cycles))
+        missed = own.frame_present & (own.misses >= config.loss_limit_cycles)
+        return missed | (~own.frame_present & (own.pauses >= config.pause_limit_cycles))
 
     def anchor_after(self, fresh: Interval) -> Interval:
         """Return the anchor run on, or `fresh` once the anchor has grown too wide to tell anything."""
@@ -227,8 +227,8 @@ def judge(own: Parts, zones: Zones) -> Judgement:
     taken = own.balise.read & (~zones.located | better)
     held = choose(taken, widened, predicted)
     named, prescribed = _prescribed(own)
-    started = own.balise.read & own.balise.identity.value.ne(own.procedure) & own.ahead.known & named
-    run = ite(started, own.balise.run, own.run + own.odometer.distance)
+    started = own.balise.read & own.balise.identity.value.ne(own.procedure_balise) & own.ahead.known & named
+    run = ite(started, own.balise.run, own.run_since_balise + own.odometer.distance)
     reflector = choose(started | ~(zones.referring | zones.searching | zones.in_view), own.ahead.reflector,
                        own.target.reflector)  # fmt: skip
     known = choose(started, balise, own.odometer.run_on(own.anchor.interval))
@@ -236,7 +236,7 @@ def judge(own: Parts, zones: Zones) -> Judgement:
     stale = zones.ready & (maximum(long, short) > own.config.left_open_nm)
     lag, testing = own.odometer.lag(own.config.share_ppm(own.config.frame_latency_ms)), started | zones.referring
     by_radar = choose(zones.exact & ~taken, _measured_on(own), _seen_by(held, (long, short)))
-    beside = Situation(own.frame, held, by_radar, lag, own.config.radar, FALSE, known, (long, short))
+    beside = Situation(own.frame_present, held, by_radar, lag, own.config.radar, FALSE, known, (long, short))
     now = replace(beside, testing=testing, open=(ite(testing, 0, long), ite(testing, 0, short)))
     searched = _searched(own, zones, started, run, reflector, held) & (started | ~stale)
     return Judgement(
@@ -280,7 +280,7 @@ def _prescribed(own: Parts) -> tuple[Bool, Num]:
 
 def _searched(own: Parts, zones: Zones, started: Bool, run: Num, reflector: Reflector, held: Interval) -> Bool:
     """Return whether an echo may be taken for the target: from the prescribed distance after the balise, or from the view zone, on."""
-    line = ite(started, own.balise.search.value_or(as_num(0, MM)), own.search_from)
+    line = ite(started, own.balise.search_from.value_or(as_num(0, MM)), own.search_from)
     reference = ite(line.eq(0), held.high >= reflector.view_begins(), run >= line)
     return ite(started | zones.referring, reference, zones.searching | zones.in_view)
 

@@ -85,7 +85,7 @@ class Slot:
     intensity: NumVar
     lateral: NumVar
     last_verdict: NumVar
-    last_verdict_next: NumVar
+    last_verdict_for_next: NumVar
 
 
 def slot(declared: Declared, number_: int, range_limit_mm: int) -> Slot:
@@ -98,8 +98,8 @@ def slot(declared: Declared, number_: int, range_limit_mm: int) -> Slot:
         declared.sensor(choice(f"{name}_model", enumeration(MODEL))),
         declared.sensor(number(f"{name}_intensity_cdb", CDB, INTENSITY_FLOOR_CDB, INTENSITY_CEILING_CDB)),
         declared.sensor(number(f"{name}_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM)),
-        declared.state(choice(f"{name}_judged", enumeration(JUDGED)), first=NONE),
-        declared.state(choice(f"{name}_judged_for_next", enumeration(JUDGED)), first=NONE),
+        declared.state(choice(f"{name}_last_verdict", enumeration(JUDGED)), first=NONE),
+        declared.state(choice(f"{name}_last_verdict_for_next", enumeration(JUDGED)), first=NONE),
     )
 
 

@@ -45,12 +45,12 @@ class Figures(Protocol):
 class Moving:
     """The vehicle's movement, which several machines of a composition share.
 
-    truth, true_step     place of end A, and its travel in the cycle, nm
+    truth, true_cycle_distance     place of end A, and its travel in the cycle, nm
     wander, next_wander  the one-off part of the odometer's error, before the cycle and, freely chosen, after it, nm
     """
 
     truth: NumVar
-    true_step: NumVar
+    true_cycle_distance: NumVar
     wander: NumVar
     next_wander: NumVar
 
@@ -98,9 +98,9 @@ def ghosts(declared: Declared, moving: Moving, figures: Figures) -> Ghosts:
         truth=declared.ghost(moving.truth, first=ANY),
         wander=declared.ghost(moving.wander, first=ANY),
         bias=declared.ghost(number("radar_bias_nm", NM, -reach, reach), first=ANY),
-        announced=_entry(declared, "told", figures.position_limit_mm),
+        announced=_entry(declared, "announced", figures.position_limit_mm),
         sought=_entry(declared, "sought", figures.position_limit_mm),
-        true_step=declared.choice(moving.true_step),
+        true_cycle_distance=declared.choice(moving.true_cycle_distance),
         next_wander=declared.choice(moving.next_wander),
         reflector=tuple(declared.choice(boolean(f"echo_{n}_from_reflector")) for n in slots),
         origin=tuple(declared.choice(number(f"echo_{n}_origin_nm", NM, -2 * reach, 2 * reach)) for n in slots),

@@ -92,7 +92,7 @@ def next_on_map(route: Route, reported: Mapping[str, Value], passed_mm: int | No
 
 
 _OPTIONAL = (
-    "step_mm", "balise", "balise_position_mm", "balise_accuracy_mm", "balise_since_mm", "balise_search_from_mm",
+    "distance_mm", "balise", "balise_position_mm", "balise_accuracy_mm", "balise_since_mm", "balise_search_from_mm",
 )  # fmt: skip
 """Inputs of odometer and balises, each present or absent, in the order of a step."""
 _NEXT = ("next_position_mm", "next_model", "next_view_from_mm", "next_view_to_mm", "next_clear_mm")
@@ -102,7 +102,7 @@ _NEXT = ("next_position_mm", "next_model", "next_view_from_mm", "next_view_to_mm
 def _steps(config: ReflectorConfig, motion: Motion, columns: Mapping[str, list[int]]) -> Steps:
     """Return the run of the only vehicle as steps."""
     slots = range(1, config.echo_slots + 1)
-    more = ("step_more_nm",) if config.checked_distance else ()
+    more = ("distance_more_nm",) if config.checked_distance else ()
     echoes = [(slot, tuple(f"echo_{slot}_{name}" for name in ECHO)) for slot in slots]
     steps: Steps = []
     for cycle, place in enumerate(motion.position_nm):
@@ -114,7 +114,7 @@ def _steps(config: ReflectorConfig, motion: Motion, columns: Mapping[str, list[i
         shown += [name for slot, names in echoes if row[f"echo_{slot}_range_mm.present"] for name in names]
         given = completed(config, {name: _labelled(name, row[name]) for name in shown})
         step = {**no_origins(config), **given}
-        step |= {name: row[name] for name in ("next_radar_bias_nm", "true_step_nm", "next_wander_nm")}
+        step |= {name: row[name] for name in ("next_radar_bias_nm", "true_cycle_distance_nm", "next_wander_nm")}
         steps.append({**step, "truth_mm": int(place) // NM_PER_MM})
     return steps
 
@@ -141,9 +141,9 @@ class Radar:
         """Return the ghosts of slots without an echo."""
         return no_origins(self._config)
 
-    def frame(self, cycle: int, step_nm: int, now: int) -> dict[str, Cell]:
+    def frame(self, cycle: int, distance_nm: int, now: int) -> dict[str, Cell]:
         """Return the frame of a cycle that the vehicle ends at `now`, with the echoes' ghosts."""
-        frames = self._radars.frames(cycle, step_nm, now, empty_slots(self._config.echo_slots, (1,)))
+        frames = self._radars.frames(cycle, distance_nm, now, empty_slots(self._config.echo_slots, (1,)))
         values: dict[str, Cell] = {"frame_present": bool(frames.present[0])}
         for slot in range(min(self._config.echo_slots, int(frames.number[0]))):
             for name, echoes in frames.echoes.items():
@@ -161,7 +161,7 @@ def _is_ghost(name: str) -> bool:
 
 def board(step: Mapping[str, Cell]) -> dict[str, Cell]:
     """Return a simulated step without ghosts and remarks, as the vehicle itself gets it."""
-    left_out = ("true_step_nm", "next_wander_nm", "next_radar_bias_nm", "truth_mm")
+    left_out = ("true_cycle_distance_nm", "next_wander_nm", "next_radar_bias_nm", "truth_mm")
     return {name: value for name, value in step.items() if not _is_ghost(name) and name not in left_out}
 
 

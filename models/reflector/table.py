@@ -43,17 +43,17 @@ class _Groups:
     def __init__(self, own: Parts, cycle: Judgement) -> None:
         self._own, self._cycle = own, cycle
         verdicts: Updates = {one.slot.last_verdict: one.verdict for one in cycle.target.judgements}
-        further: Updates = {one.slot.last_verdict_next: one.verdict for one in cycle.ahead.judgements}
+        further: Updates = {one.slot.last_verdict_for_next: one.verdict for one in cycle.ahead.judgements}
         self.every_cycle = together({own.odometer.gap: own.odometer.gap_after}, verdicts, further)
         self.drifting = self._opened(cycle.open)
         self.tested = self._opened(cycle.left_open)
         self.untested = self._opened((as_num(0, NM), as_num(0, NM)))
         self.held, self.nowhere = own.track.become(cycle.held), own.track.nothing()
-        self.unmeasured: Updates = {own.range: 0, own.range_error: 0, own.lateral: 0, own.recognised: False}
+        self.unmeasured: Updates = {own.range: 0, own.measured_error: 0, own.lateral: 0, own.recognised_now: False}
         self.next_target, self.no_target = own.target.become(own.ahead), own.target.nothing()
         self.kept_anchor = own.anchor.become(cycle.anchor_after(cycle.by_radar))
         self.no_anchor = own.anchor.nothing()
-        self.no_reference: Updates = {own.reference: 0, own.search_from: 0, own.run: 0}
+        self.no_reference: Updates = {own.reference: 0, own.search_from: 0, own.run_since_balise: 0}
         self.nothing_found: Updates = {own.found: own.found.low}
         self.counted_anew: Updates = {own.pauses: 0, own.misses: 0}
 
@@ -63,7 +63,7 @@ class _Groups:
     def measured(self, by: Recognition) -> Updates:
         """Return the updates of range, range_error and lateral: the measurement of this cycle."""
         own = self._own
-        return {own.range: by.range, own.range_error: by.error, own.lateral: by.lateral}
+        return {own.range: by.range, own.measured_error: by.error, own.lateral: by.lateral}
 
     @property
     def hold(self) -> Updates:
@@ -80,7 +80,7 @@ class _Groups:
         """Return the updates of a new view zone; target, track, and what the self-test left open are set beside them."""
         own = self._own
         zone = own.anchor.become(_to_run_on(self._cycle, by.bare))
-        fresh: Updates = {own.found: place, own.recognised: True, own.error: NO_ERROR}
+        fresh: Updates = {own.found: place, own.recognised_now: True, own.error: NO_ERROR}
         return together(self.every_cycle, self.measured(by), zone, self.no_reference, self.counted_anew, fresh)
 
     def unready(self, why: Lit) -> Updates:
@@ -89,7 +89,7 @@ class _Groups:
 
     def dropped(self, why: Num) -> Updates:
         """Return the updates of the way into DELOCALIZED: no position, and no balise is remembered."""
-        gone: Updates = {self._own.error: why, self._own.procedure: 0}
+        gone: Updates = {self._own.error: why, self._own.procedure_balise: 0}
         return together(self.every_cycle, self.nowhere, self.unmeasured, self.none_sought, gone)
 
 
@@ -131,12 +131,12 @@ def _self_test(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, .
     view = mode[5]
     here, unseen = cycle.started & cycle.tolerable, cycle.started & cycle.tolerable & ~cycle.target.accepted
     exact = cycle.testable(cycle.begins_at)
-    begun: Updates = {own.procedure: own.balise.identity.value}
+    begun: Updates = {own.procedure_balise: own.balise.identity.value}
     proven = together(groups.tested, own.track.become(cycle.tested_fix))
     at_once = together(groups.seen(cycle.target, own.ahead.position.value), proven, groups.next_target, begun)
     later = together(groups.seen(cycle.target, own.target.position), proven)
-    search_from = own.balise.search.value_or(as_num(0, MM))
-    awaited: Updates = {own.reference: cycle.reference, own.search_from: search_from, own.run: cycle.run}
+    search_from = own.balise.search_from.value_or(as_num(0, MM))
+    awaited: Updates = {own.reference: cycle.reference, own.search_from: search_from, own.run_since_balise: cycle.run}
     waiting = together(
         groups.hold, groups.untested, groups.next_target, own.anchor.become(cycle.begins_at), awaited,
         groups.nothing_found, groups.counted_anew, begun, {own.error: NO_SELF_TEST},
@@ -166,7 +166,7 @@ def _measured(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ..
     tracked = together(
         groups.every_cycle, groups.drifting, own.track.become(cycle.target.fix), groups.measured(cycle.target),
         own.anchor.become(cycle.anchor_after(_to_run_on(cycle, cycle.target.bare))), groups.counted_anew,
-        {own.recognised: False, own.error: NO_ERROR},
+        {own.recognised_now: False, own.error: NO_ERROR},
     )  # fmt: skip
     other = together(
         groups.seen(cycle.ahead, own.ahead.position.value), groups.drifting, own.track.become(cycle.ahead.fix),
@@ -213,8 +213,8 @@ def _zones(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ...])
     yield Transition("reflector passed", passing, odometry, cycle.gone_by, left, ("RFL-D2",), 10)
     yield Transition("backs away", passing, coast, ~cycle.too_close, anew, ("RFL-D2",), 11)
     yield Transition("reflector lost", seen, odometry, cycle.lost, left, ("RFL-D2",), 11)
-    yield Transition("measurement pauses", seen, coast, ~own.frame, paused, ("RFL-D2",), 12)
-    yield Transition("echo missing", seen, coast, own.frame, missed, ("RFL-D2",), 12)
+    yield Transition("measurement pauses", seen, coast, ~own.frame_present, paused, ("RFL-D2",), 12)
+    yield Transition("echo missing", seen, coast, own.frame_present, missed, ("RFL-D2",), 12)
     yield Transition("passing goes on", passing, passing, TRUE, kept, ("RFL-D2",), 12)
 
 
@@ -222,7 +222,7 @@ def _going_on(own: Parts, cycle: Judgement, groups: _Groups, mode: tuple[Lit, ..
     """Yield the rows of a cycle in which the vehicle only ran on."""
     lost, unready, reference, odometry, search, *_ = mode
     hold, idle = together(groups.hold, groups.drifting), together(groups.hold, groups.untested)
-    waiting = together(idle, own.anchor.become(cycle.anchored), {own.run: cycle.run})
+    waiting = together(idle, own.anchor.become(cycle.anchored), {own.run_since_balise: cycle.run})
     placed, wait = groups.unready(NO_SELF_TEST), groups.dropped(own.error)
     read = own.balise.read & cycle.tolerable
     yield Transition("reference measurement goes on", reference, reference, TRUE, waiting, ("RFL-6",), 13)

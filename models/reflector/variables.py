@@ -18,7 +18,7 @@ from safeloc.models.reflector.odometer import ReflectorOdometer
 from safeloc.models.reflector.ranging import RADAR, Ranging
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import max_step_mm
+from safeloc.models.vocabulary.measured import max_cycle_distance_mm
 from safeloc.models.vocabulary.odometer import most_further_error_nm
 from safeloc.models.vocabulary.reflectors import LATERAL_LIMIT_MM, MAX_ERROR_MM
 
@@ -119,8 +119,10 @@ class ReflectorConfig(Config):
             )
         if max(self.frame_latency_ms, self.balise_latency_ms) > self.period_ms:
             raise ValueError("frame_latency_ms and balise_latency_ms must not exceed period_ms: older data is stale.")
-        if self.reference_run_mm < self.max_step_mm:
-            raise ValueError(f"reference_run_mm must not be below {self.max_step_mm} mm, the distance of one cycle.")
+        if self.reference_run_mm < self.max_cycle_distance_mm:
+            raise ValueError(
+                f"reference_run_mm must not be below {self.max_cycle_distance_mm} mm, the distance of one cycle."
+            )
         return self
 
     @property
@@ -134,9 +136,9 @@ class ReflectorConfig(Config):
         return self.map_accuracy_mm * NM_PER_MM
 
     @property
-    def max_step_mm(self) -> int:
+    def max_cycle_distance_mm(self) -> int:
         """The greatest distance that is measured in a cycle, mm."""
-        return max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        return max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
 
     @property
     def blind_nm(self) -> int:
@@ -186,7 +188,7 @@ class Parts:
     """The variables of the machine.
 
     odometer     distance measured in the cycle
-    frame        a radar frame came in the cycle, with an echo in each of the `slots`
+    frame_present        a radar frame came in the cycle, with an echo in each of the `slots`
     balise       reading of a balise, absent in most cycles
     ahead        the map's next reflector
     contradicted the route machine found the route contradicted
@@ -197,12 +199,12 @@ class Parts:
                  that passed left open, and the drift since; 0 where none passed
     reference    prescribed distance from the balise of the self-test to its reflector
     search_from  distance after that balise from which the reflector is searched; 0: by its view zone on the map
-    run          distance run since that balise
-    procedure    the balise that started the last self-test; 0: none
+    run_since_balise          distance run since that balise
+    procedure_balise    the balise that started the last self-test; 0: none
     found        place of the reflector found last; its lowest value: none
     pauses, misses  cycles in a row without a frame, and frames in a row without the target's echo
-    recognised   the target was recognised in this cycle
-    range, range_error, lateral  the measurement of this cycle, 0 where there is none
+    recognised_now   the target was recognised in this cycle
+    range, measured_error, lateral  the measurement of this cycle, 0 where there is none
     error        why there is no position, or no precise one
     """
 
@@ -219,19 +221,21 @@ class Parts:
         self.odometer = _odometer(declared, config)
         self.reference = declared.state(number("reference_mm", MM, 0, reach), first=0)
         self.search_from = declared.state(number("search_from_mm", MM, 0, reach), first=0)
-        self.run = declared.state(
+        self.run_since_balise = declared.state(
             number("run_since_balise_mm", MM, -config.reference_run_mm, config.reference_run_mm), first=0
         )
-        self.procedure = declared.state(number("procedure_balise", COUNT, 0, config.last_balise_identity), first=0)
+        self.procedure_balise = declared.state(
+            number("procedure_balise", COUNT, 0, config.last_balise_identity), first=0
+        )
         self.found = declared.state(number("last_found_mm", MM, -limit - 1, limit), first=-limit - 1)
         self.pauses = declared.state(number("pauses", COUNT, 0, config.pause_limit_cycles), first=0)
         self.misses = declared.state(number("misses", COUNT, 0, config.loss_limit_cycles), first=0)
-        self.recognised = declared.state(boolean("recognised_now"), first=False)
+        self.recognised_now = declared.state(boolean("recognised_now"), first=False)
         self.range = declared.state(number("measured_range_mm", MM, 0, reach), first=0)
-        self.range_error = declared.state(number("measured_error_mm", MM, 0, MAX_ERROR_MM), first=0)
+        self.measured_error = declared.state(number("measured_error_mm", MM, 0, MAX_ERROR_MM), first=0)
         self.lateral = declared.state(number("measured_lateral_mm", MM, -LATERAL_LIMIT_MM, LATERAL_LIMIT_MM), first=0)
         self.error = declared.state(choice("error", enumeration(ERROR)), first=NO_POSITION)
-        self.frame = declared.sensor(boolean("frame_present"))
+        self.frame_present = declared.sensor(boolean("frame_present"))
         self.slots = tuple(slot(declared, number_, reach) for number_ in range(1, config.echo_slots + 1))
         self.balise = _balise(declared, config)
         self.ahead = next_reflector(declared, limit, reach, offset)
@@ -249,7 +253,7 @@ def moving(config: ReflectorConfig) -> Moving:
     reach, most = config.reach_nm, config.odometer.wander_nm
     return Moving(
         truth=number("truth_nm", NM, -reach, reach),
-        true_step=number("true_step_nm", NM, -config.blind_nm, config.blind_nm),
+        true_cycle_distance=number("true_cycle_distance_nm", NM, -config.blind_nm, config.blind_nm),
         wander=number("wander_nm", NM, -most, most),
         next_wander=number("next_wander_nm", NM, -most, most),
     )
@@ -264,13 +268,13 @@ def _stored(declared: Declared, name: str, limit_mm: int, tolerance_nm: int) -> 
 
 
 def _odometer(declared: Declared, config: ReflectorConfig) -> ReflectorOdometer:
-    reach, most = 2 * config.max_step_mm + 1_000, most_further_error_nm(config.max_step_mm)
+    reach, most = 2 * config.max_cycle_distance_mm + 1_000, most_further_error_nm(config.max_cycle_distance_mm)
     return ReflectorOdometer(
         config.odometer,
-        declared.sensor(optional("step_mm", MM, -reach, reach)),
+        declared.sensor(optional("distance_mm", MM, -reach, reach)),
         declared.state(number("odometer_gap_cycles", COUNT, 0, config.gap_limit_cycles + 1), first=0),
         config,
-        more=declared.sensor(number("step_more_nm", NM, 0, most)) if config.checked_distance else None,
+        more=declared.sensor(number("distance_more_nm", NM, 0, most)) if config.checked_distance else None,
     )
 
 
@@ -278,7 +282,7 @@ def _balise(declared: Declared, config: ReflectorConfig) -> BaliseReading:
     return balise_reading(
         declared,
         config.position_limit_mm,
-        config.max_step_mm,
+        config.max_cycle_distance_mm,
         config.range_limit_mm,
         config.last_balise_identity,
         accuracy_mm=config.balise_accuracy_mm,

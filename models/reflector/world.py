@@ -104,7 +104,7 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
 
 def _after(own: Parts) -> Num:
     """Return the place of end A at the end of the cycle, nm."""
-    return own.ghosts.truth + own.ghosts.true_step
+    return own.ghosts.truth + own.ghosts.true_cycle_distance
 
 
 # ------------------------------------------------------------------ odometer
@@ -139,7 +139,7 @@ def _run_blind_nm(config: ReflectorConfig) -> int:
 def _odometer_law(own: Parts) -> Law:
     seen, config = own.ghosts, own.config
     counted = ite(can_be_run(own), exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_step - (_wander_after(own) - seen.wander) - counted
+    error = seen.true_cycle_distance - (_wander_after(own) - seen.wander) - counted
     lawful = _allowed(config.odometer, own.odometer.measured.value, config.period_ms)
     most = _further_error(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
     return Law(
@@ -224,7 +224,7 @@ def _far_nm(config: ReflectorConfig) -> int:
 
 def _strong(own: Parts, slot: Slot) -> Bool:
     """Return whether the slot has an echo with the minimum intensity."""
-    return own.frame & slot.range.present & (slot.intensity >= own.config.minimum_intensity_cdb)
+    return own.frame_present & slot.range.present & (slot.intensity >= own.config.minimum_intensity_cdb)
 
 
 def _range_law(own: Parts) -> Law:
@@ -235,7 +235,9 @@ def _range_law(own: Parts) -> Law:
         wrong = own.ghosts.next_bias + scaled
         too_near = origin - _radar(own) - exact_to(slot.range.value, NM) + wrong
         bound = exact_to(slot.error, NM)
-        return (real & own.frame & slot.range.present).implies(between(-bound - forward, too_near, bound + backward))
+        return (real & own.frame_present & slot.range.present).implies(
+            between(-bound - forward, too_near, bound + backward)
+        )
 
     return Law(
         all_of(kept(*one, scaled) for one, scaled in zip(_echoes(own), own.ghosts.scaled, strict=True)),

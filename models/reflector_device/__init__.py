@@ -119,10 +119,10 @@ def _distances(groups: balise.Balise, map_: Line, source: reflector.ReflectorMac
     position, _, _ = wired_interval(machine)
     by_telegram = machine.output("reflector_mm") - position
     search = machine.output("search_mm") - position
-    by_map = groups.own.memory.place + map_.reference.value - position
+    by_map = groups.own.memory.last_group_position + map_.reference.value - position
     return {
         **_within(given.reference, counts & machine.flag("reflector_known"), by_telegram),
-        **_within(given.search, counts & machine.flag("search_known") & (search > 0), search),
+        **_within(given.search_from, counts & machine.flag("search_known") & (search > 0), search),
         **_within(ahead.reference, counts & map_.reference.present, by_map),
         ahead.position.value: map_.position.value,
         ahead.position.present: map_.position.present,
@@ -149,8 +149,8 @@ def _into_host(groups: balise.Balise, piece: Piece, course: TurnOff, behind: del
     stated, astray = piece.stated, course.machine.flag("contradicts")
     return {
         behind.valid: stated.valid & ~astray,
-        behind.reference: stated.reference | _counts(groups) & stated.valid,
-        behind.cause: ite(astray, CONTRADICTION, stated.reason),
+        behind.reference_accepted: stated.reference | _counts(groups) & stated.valid,
+        behind.source_reason: ite(astray, CONTRADICTION, stated.reason),
         behind.position: stated.position,
         behind.below: stated.below,
         behind.above: stated.above,
@@ -163,13 +163,17 @@ def _into_course(map_: Line, source: reflector.ReflectorMachine, course: TurnOff
     position, below, above = wired_interval(machine)
     limit, valid = own.high.high, machine.flag("valid")
     high = ite(valid, minimum(position + above, limit), as_num(limit, MM))
-    same = map_.behind.present & machine.output("reflector_position_mm").eq(map_.behind.value)
+    same = map_.switch_reflector.present & machine.output("reflector_position_mm").eq(map_.switch_reflector.value)
     return {
         own.measured: machine.flag("precise") & same,
         own.lateral: machine.output("lateral_mm"),
         own.low: ite(valid, maximum(position - below, -limit), as_num(-limit, MM)),
         own.high: high,
-        **_present(own.switch, map_.switch.present & (map_.switch.value > high), map_.switch.value),
+        **_present(
+            own.switch_position,
+            map_.switch_position.present & (map_.switch_position.value > high),
+            map_.switch_position.value,
+        ),
     }
 
 

@@ -42,7 +42,7 @@ class Line:
 
     position   the map's next reflector
     reference  its distance from its group by the map; present for the first reflector behind a group
-    switch, behind  the map's next facing switch, and the reflector behind the switch that is watched
+    switch_position, switch_reflector  the map's next facing switch, and the reflector behind the switch that is watched
     contradicted  the route machine found the route contradicted
     read       the telegram as the antenna read it
     kept       the group that set the balise machine's interval last, and its place on the map, mm
@@ -51,8 +51,8 @@ class Line:
     machine: Machine
     position: Optional
     reference: Optional
-    switch: Optional
-    behind: Optional
+    switch_position: Optional
+    switch_reflector: Optional
     contradicted: BoolVar
     read: Telegram
     kept: tuple[NumVar, NumVar]
@@ -62,7 +62,7 @@ class Line:
         wires: dict[Var, Expr] = {}
         for mine, theirs in zip(self.read.inputs, sister.read.inputs, strict=True):
             wires |= {mine.value: theirs.value, mine.present: theirs.present}
-        return wires | dict(zip(self.kept, (sister.memory.group, sister.memory.place), strict=True))
+        return wires | dict(zip(self.kept, (sister.memory.group, sister.memory.last_group_position), strict=True))
 
 
 def line(config: ReflectorDeviceConfig) -> Line:
@@ -78,7 +78,7 @@ def line(config: ReflectorDeviceConfig) -> Line:
         declared,
         last_identity=of_groups.last_group_identity,
         position_limit_mm=of_groups.position_limit_mm,
-        max_step_mm=of_groups.limits.max_step_mm,
+        max_cycle_distance_mm=of_groups.limits.max_cycle_distance_mm,
         age_limit_ms=of_groups.telegram_age_limit_ms,
         reflector_reach_mm=of_groups.reflector_reach_mm,
     )

@@ -38,7 +38,7 @@ FOLDER, SEED = Path(__file__).with_name("recordings"), 7
 _OF_THE_MAP = ("next_position_mm", "next_reference_mm", "route_contradicted")
 _NOISE_MM = 100
 """Inputs of the reflector machine that are inputs of the line here."""
-_OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_step_nm", "truth_mm")
+_OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_cycle_distance_nm", "truth_mm")
 """Names of the balise machine's own steps that the vehicle gives here."""
 
 
@@ -180,9 +180,9 @@ class _Run:
 
     def _vehicle(self, cycle: int) -> dict[str, Cell]:
         measured = self._measured
-        step: dict[str, Cell] = {"true_step_nm": int(self._motion.step_nm[cycle])}
+        step: dict[str, Cell] = {"true_cycle_distance_nm": int(self._motion.distance_nm[cycle])}
         units = {"motion.odometer_mm": measured.odometer, "motion.check_mm": measured.check}
-        step |= {name: int(one.step_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
+        step |= {name: int(one.distance_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
         wander = int(measured.odometer.wander_nm[cycle])
         names = ("balise.odometer_next_wander_nm", "reflector.next_wander_nm")
         if measured.check is not None:
@@ -191,7 +191,7 @@ class _Run:
 
     def _reflectors(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
         """Return map and radar in a cycle."""
-        now, step = int(self._motion.position_nm[cycle]), int(self._motion.step_nm[cycle])
+        now, step = int(self._motion.position_nm[cycle]), int(self._motion.distance_nm[cycle])
         seen = {**self._map(read), **self._radar.frame(cycle, step, now)}
         seen |= {"route_contradicted": cycle in self._scene.contradicted}
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}

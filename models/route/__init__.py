@@ -113,7 +113,7 @@ def _table(own: Parts, after: tuple[Bounded, ...], table: tuple[Lit, ...]) -> It
     contradiction = together(none, {own.reason: CONTRADICTION})
     failed = together(none, {own.reason: SENSOR_FAILURE})
     too_wide = together(none, {own.reason: TOLERANCE})
-    begun = own.start.present
+    begun = own.start_error.present
     yield Transition("start without a route", table, lost, begun & left.eq(0), contradiction, REQUIREMENTS, 0)
     yield Transition("start on one route", table, decided, begun & left.eq(1), keep, REQUIREMENTS, 1)
     yield Transition("start on several routes", table, undecided, begun & (left > 1), keep, REQUIREMENTS, 1)
@@ -148,7 +148,9 @@ def _no_route(own: Parts) -> Updates:
 
 def _refutes_authority(own: Parts, after: tuple[Bounded, ...]) -> Bool:
     """Return whether the route by movement authority is impossible."""
-    return any_of(own.authorised.eq(route.number) & ~one.possible for route, one in zip(own.routes, after, strict=True))
+    return any_of(
+        own.authorised_route.eq(route.number) & ~one.possible for route, one in zip(own.routes, after, strict=True)
+    )
 
 
 # ------------------------------------------------------------------ outputs

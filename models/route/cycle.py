@@ -45,12 +45,12 @@ class Cycle:
     @property
     def seen(self) -> Bool:
         """The vehicle sighted a reflector and recognised its model."""
-        return self.own.sighting.present & self.own.sighting_model.ne(NO_MODEL)
+        return self.own.sighting_range.present & self.own.sighting_model.ne(NO_MODEL)
 
     @property
     def sighted(self) -> tuple[Num, Num]:
         """Bounds by the sighted reflector, nm: its place on the route less the measured range, with the error of the range."""
-        place = exact_to(self.route.reflector.value - self.own.sighting.value, NM)
+        place = exact_to(self.route.reflector.value - self.own.sighting_range.value, NM)
         error = exact_to(self.own.sighting_error, NM) + self.own.half_nm
         return place - error, place + error
 
@@ -64,7 +64,7 @@ class Cycle:
     @property
     def turns_so(self) -> Bool:
         """The route does not go another way than the turn that was seen."""
-        turned, course = self.own.turned, self.route.course
+        turned, course = self.own.course_taken, self.route.course
         return turned.eq(NO_COURSE) | course.eq(NO_COURSE) | turned.eq(course)
 
     @property
@@ -75,13 +75,13 @@ class Cycle:
     @property
     def spread(self) -> Num:
         """The greatest distance from the common start at a start, wander included, nm."""
-        return exact_to(self.own.start.value, NM) + self.own.half_nm
+        return exact_to(self.own.start_error.value, NM) + self.own.half_nm
 
     @property
     def after(self) -> Bounded:
         """The hypothesis after the cycle: run on and narrowed by a sighting, or set to the start."""
         (low, high), (first, last) = self.moved, self.sighted
-        begun = self.own.start.present
+        begun = self.own.start_error.present
         return Bounded(
             self.own,
             ite(begun, self.route.candidate, self.route.possible & self.fits),

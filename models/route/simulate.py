@@ -162,13 +162,13 @@ class _Run:
         """Return the inputs and ghosts of one cycle, and run it in the machine on board."""
         inputs = dict(self._quiet)
         if self._distances.present[number]:
-            inputs["odometer_mm"] = int(self._distances.step_mm[number])
+            inputs["odometer_mm"] = int(self._distances.distance_mm[number])
             self._wander = int(self._distances.wander_nm[number])
         truth = int(self._motion.position_nm[number]) + self._offset
         inputs |= self._sighting(truth)
         inputs |= answers(self._ways, self._board.named_outputs(self._state), inputs)
         self._take(inputs)
-        return {**inputs, **self._ghosts(int(self._motion.step_nm[number]), truth)}
+        return {**inputs, **self._ghosts(int(self._motion.distance_nm[number]), truth)}
 
     def _sighting(self, truth_nm: int) -> dict[str, Cell]:
         """Return the sighting of the nearest reflector in view, unless that one is missed."""
@@ -189,9 +189,9 @@ class _Run:
     def _take(self, inputs: Mapping[str, Cell]) -> None:
         self._state, _ = self._board.step(self._state, self._board.read(inputs))
 
-    def _ghosts(self, step_nm: int, truth_nm: int) -> dict[str, Cell]:
+    def _ghosts(self, distance_nm: int, truth_nm: int) -> dict[str, Cell]:
         return {
-            "true_step_nm": step_nm,
+            "true_cycle_distance_nm": distance_nm,
             "start_truth_nm": truth_nm,
             "next_wander_nm": self._wander,
             "start_route": self._true.number,

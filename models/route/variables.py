@@ -23,7 +23,7 @@ from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.route.ghosts import Bounds, ghosts
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import odometer
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL
@@ -61,8 +61,8 @@ class RouteConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that its checks are no tighter than physics."""
-        step = max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap = self.gap_limit_cycles
         return Limits(
             self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.length_limit_mm, False
@@ -102,10 +102,10 @@ class Hypothesis:
 class Parts:
     """The variables of the machine.
 
-    start           input: how far the vehicle may be from the common start, mm; absent unless it starts in this cycle
-    sighting        input: range of a reflector that is recognised in this cycle, mm, with its error and model
-    turned          input: course taken at a switch, if a turn was seen
-    authorised      input: number of the route by movement authority; 0: unknown
+    start_error           input: how far the vehicle may be from the common start, mm; absent unless it starts in this cycle
+    sighting_range        input: range of a reflector that is recognised in this cycle, mm, with its error and model
+    course_taken          input: course taken at a switch, if a turn was seen
+    authorised_route      input: number of the route by movement authority; 0: unknown
     refuted         1: the route by movement authority is impossible
     reason          why no route is decided
     """
@@ -114,15 +114,15 @@ class Parts:
         self.declared = declared = Declared()
         self.config = config
         self.odometer = odometer(config.odometer, config.limits).declare(declared)
-        self.start = declared.sensor(optional("start_error_mm", MM, 0, config.start_error_mm))
-        self.sighting = declared.sensor(optional("sighting_range_mm", MM, 0, config.range_limit_mm))
+        self.start_error = declared.sensor(optional("start_error_mm", MM, 0, config.start_error_mm))
+        self.sighting_range = declared.sensor(optional("sighting_range_mm", MM, 0, config.range_limit_mm))
         self.sighting_error = declared.sensor(number("sighting_error_mm", MM, 0, MAX_ERROR_MM))
         self.sighting_model = declared.sensor(choice("sighting_model", enumeration(MODEL)))
         self.refuted = declared.state(number("authority_refuted", COUNT, 0, 1), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_START)
         self.routes = tuple(_hypothesis(declared, number_, config) for number_ in range(1, config.routes + 1))
-        self.turned = declared.sensor(choice("course_taken", enumeration(COURSE)))
-        self.authorised = declared.sensor(number("authorised_route", COUNT, 0, config.routes))
+        self.course_taken = declared.sensor(choice("course_taken", enumeration(COURSE)))
+        self.authorised_route = declared.sensor(number("authorised_route", COUNT, 0, config.routes))
         self.ghosts = ghosts(declared, _bounds(config))
 
     @property

@@ -54,12 +54,12 @@ def measuring(own: Parts) -> Measuring:
 
 def _after(own: Parts) -> Num:
     """Return the place of end A at the end of the cycle; a start gives a new one."""
-    return ite(own.start.present, own.ghosts.next_truth, own.ghosts.truth + own.ghosts.true_step)
+    return ite(own.start_error.present, own.ghosts.start_truth, own.ghosts.truth + own.ghosts.true_cycle_distance)
 
 
 def _route(own: Parts) -> Num:
     """Return the number of the true route; a start gives a new one."""
-    return ite(own.start.present, own.ghosts.next_route, own.ghosts.route)
+    return ite(own.start_error.present, own.ghosts.start_route, own.ghosts.route)
 
 
 # ------------------------------------------------------------------ the vehicle and its odometer
@@ -67,7 +67,7 @@ def _route(own: Parts) -> Num:
 
 def _odometer_law(own: Parts) -> Law:
     seen, odometer = own.ghosts, measuring(own)
-    error = seen.true_step - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = seen.true_cycle_distance - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
     return Law(
         odometer.can_be_run.implies(odometer.allows(error)),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
@@ -83,7 +83,7 @@ def _odometer_law(own: Parts) -> Law:
 def _speed_law(own: Parts) -> Law:
     farthest = own.config.physics.farthest_nm
     return Law(
-        between(-farthest, own.ghosts.true_step, farthest),
+        between(-farthest, own.ghosts.true_cycle_distance, farthest),
         "The vehicle runs no faster than its highest speed, either way.",
         ("max_speed_mm_s", "period_ms"),
         "[D] 160 km/h",
@@ -95,7 +95,7 @@ def _speed_law(own: Parts) -> Law:
 def _line_law(own: Parts) -> Law:
     truth = own.ghosts.truth
     return Law(
-        between(truth.low, truth + own.ghosts.true_step, truth.high),
+        between(truth.low, truth + own.ghosts.true_cycle_distance, truth.high),
         "The coordinates of the routes do not end before the vehicle does.",
         ("length_limit_mm",),
         "[D] 100 km from the common start",
@@ -105,10 +105,10 @@ def _line_law(own: Parts) -> Law:
 
 
 def _start_law(own: Parts) -> Law:
-    away, seen = exact_to(own.start.value, NM), own.ghosts
-    leads = any_of(seen.next_route.eq(one.number) & one.candidate for one in own.routes)
+    away, seen = exact_to(own.start_error.value, NM), own.ghosts
+    leads = any_of(seen.start_route.eq(one.number) & one.candidate for one in own.routes)
     return Law(
-        own.start.present.implies(leads & (seen.next_truth <= away) & (seen.next_truth >= -away)),
+        own.start_error.present.implies(leads & (seen.start_truth <= away) & (seen.start_truth >= -away)),
         "At a start the vehicle is no farther from the common start than the error of the reading, and its true route is among "
         "those that begin there.",
         ("start_error_mm",),
@@ -123,12 +123,12 @@ def _start_law(own: Parts) -> Law:
 
 def _sighted(own: Parts, law: Bool) -> Bool:
     """Return whether the law holds in a cycle in which a reflector of known model is sighted."""
-    return any_of([~own.sighting.present, own.sighting_model.eq(NO_MODEL), law])
+    return any_of([~own.sighting_range.present, own.sighting_model.eq(NO_MODEL), law])
 
 
 def _range_law(own: Parts) -> Law:
-    error, origin = exact_to(own.sighting_error, NM), own.ghosts.sighted
-    too_near = origin - _after(own) - exact_to(own.sighting.value, NM)
+    error, origin = exact_to(own.sighting_error, NM), own.ghosts.sighted_place
+    too_near = origin - _after(own) - exact_to(own.sighting_range.value, NM)
     return Law(
         _sighted(own, between(-error, too_near, error)),
         "The range of a sighting is the distance from end A to the reflector, within the error reported with the sighting.",
@@ -170,12 +170,12 @@ def _of_true(own: Parts, route: Hypothesis, law: Bool) -> Bool:
 def _names_it(own: Parts, route: Hypothesis) -> Bool:
     """Return whether the map names the sighted reflector for this route."""
     seen, nearest = own.ghosts, route.reflector
-    return all_of([seen.model.eq(route.model), nearest.present, seen.sighted.eq(exact_to(nearest.value, NM))])
+    return all_of([seen.model.eq(route.model), nearest.present, seen.sighted_place.eq(exact_to(nearest.value, NM))])
 
 
 def _turn_law(own: Parts) -> Law:
     return Law(
-        own.turned.one_of(NO_COURSE, own.ghosts.course),
+        own.course_taken.one_of(NO_COURSE, own.ghosts.course),
         "A turn that the turn-off machine sees is the course that the vehicle takes at the switch.",
         source="[D] the machine `turn_off`, and its assumptions",
         owner="supplier",

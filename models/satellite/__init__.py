@@ -133,10 +133,10 @@ def _true_of_signal(selection: Selection, one: Channel) -> tuple[Bool, Bool]:
     most, most_speed = signal_errors(config)
     compared, bounded = list[Bool](), list[Bool]()
     if config.compared != "doppler":
-        compared.append(between(-hidden, one.offset - own.clock, hidden))
+        compared.append(between(-hidden, one.prediction - own.clock, hidden))
         bounded.append(between(-most, one.error, most))
     if config.compared != "pseudorange":
-        compared.append(between(-hidden_speed, one.speed_offset - own.speed_clock, hidden_speed))
+        compared.append(between(-hidden_speed, one.prediction_mm_s - own.clock_mm_s, hidden_speed))
         bounded.append(between(-most_speed, one.speed_error, most_speed))
     return all_of(compared), all_of(bounded)
 

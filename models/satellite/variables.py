@@ -212,7 +212,7 @@ class Parts:
         self.anchored = declared.state(boolean("anchored"), first=False)
         self.anchor_offset = declared.state(number("anchor_offset_nm", NM, -apart, apart), first=0)
         self.anchor_margin = declared.state(number("anchor_margin_nm", NM, 0, farthest * NM_PER_MM), first=0)
-        self.last_verdict = declared.state(choice("fix_judged", enumeration(FIX)), first=NO_FIX)
+        self.last_verdict = declared.state(choice("fix_last_verdict", enumeration(FIX)), first=NO_FIX)
         self.why_missing = declared.state(choice("missing", enumeration(MISSING)), first=MISSING[0])
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_REFERENCE)
 

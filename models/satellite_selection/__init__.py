@@ -74,7 +74,7 @@ def machine(config: SelectionConfig | None = None) -> Machine:
 def build(own: Parts) -> Selection:
     """Build the machine over the given variables."""
     table = modes("NONE_USABLE", "SOME_USABLE")
-    outputs: dict[str, Expr] = {"usable": own.usable}
+    outputs: dict[str, Expr] = {"usable": own.usable_satellites}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}
     made = Machine(
         name="selection",
@@ -85,7 +85,9 @@ def build(own: Parts) -> Selection:
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas={
-            "usable satellites are counted": own.usable.eq(_count(one.standing.eq(USABLE) for one in own.channels))
+            "usable satellites are counted": own.usable_satellites.eq(
+                _count(one.standing.eq(USABLE) for one in own.channels)
+            )
         },
         doc=(
             "The usable satellites among the visible ones. Assumed: a difference is the signal's own error plus what the "
@@ -132,8 +134,8 @@ def _spread(one: Channel, config: SelectionConfig) -> Bool:
 
 def warm(own: Parts, one: Channel) -> Num:
     """Return the number of cycles in which this channel heard the same satellite, up to the warm-up, with this cycle."""
-    same = one.identity.present & one.identity.value.eq(one.held) & _received(one, own.config) & one.ephemeris
-    first = one.identity.present & _received(one, own.config) & one.ephemeris
+    same = one.satellite.present & one.satellite.value.eq(one.held) & _received(one, own.config) & one.ephemeris_valid
+    first = one.satellite.present & _received(one, own.config) & one.ephemeris_valid
     return ite(same, minimum(one.warm + 1, own.config.warm_up_cycles), ite(first, as_num(1, COUNT), 0))
 
 
@@ -143,13 +145,13 @@ def standing(own: Parts, one: Channel) -> Num:
     ready = _spread(one, config) & (warm(own, one) >= config.warm_up_cycles)
     standing = ite(accepts(one, config, config.removal), USABLE, EXCLUDED)
     by_signal = ite(_received(one, config), ite(ready, standing, WARMING), SILENT)
-    return ite(one.identity.present & ~_is_twice(own, one), ite(one.ephemeris, by_signal, EXPIRED), ABSENT)
+    return ite(one.satellite.present & ~_is_twice(own, one), ite(one.ephemeris_valid, by_signal, EXPIRED), ABSENT)
 
 
 def _is_twice(own: Parts, one: Channel) -> Bool:
     """The same satellite on an earlier channel: a duplicate counts once."""
     earlier = [other for other in own.channels if other.number < one.number]
-    return any_of(other.identity.present & other.identity.value.eq(one.identity.value) for other in earlier)
+    return any_of(other.satellite.present & other.satellite.value.eq(one.satellite.value) for other in earlier)
 
 
 # ------------------------------------------------------------------ the transition table
@@ -159,14 +161,14 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, some = table
     count = _count(standing(own, one).eq(USABLE) for one in own.channels)
     requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-D1")
-    every = together({own.usable: count}, *(_channel(own, one) for one in own.channels))
+    every = together({own.usable_satellites: count}, *(_channel(own, one) for one in own.channels))
     yield Transition("no satellite is usable", table, none, count.eq(0), every, requirements, 0)
     yield Transition("satellites are selected", table, some, TRUE, every, requirements, 1)
 
 
 def _channel(own: Parts, one: Channel) -> Updates:
     """Standing, warm-up and identity of a channel's satellite."""
-    identity = ite(one.identity.present, one.identity.value, as_num(0, COUNT))
+    identity = ite(one.satellite.present, one.satellite.value, as_num(0, COUNT))
     return {one.standing: standing(own, one), one.warm: warm(own, one), one.held: identity}
 
 

@@ -102,12 +102,12 @@ class Channel:
     """One receiver channel. Differences are measured less predicted, mm and mm/s; covariances over the window.
 
     error, speed_error            ghosts: the signal's own error
-    offset, speed_offset          ghosts: what the prediction's error makes of it along the line of sight
+    prediction, prediction_mm_s          ghosts: what the prediction's error makes of it along the line of sight
     """
 
     number: int
-    identity: Optional
-    ephemeris: BoolVar
+    satellite: Optional
+    ephemeris_valid: BoolVar
     off: Optional
     speed_off: Optional
     covariance: Optional
@@ -117,8 +117,8 @@ class Channel:
     warm: NumVar
     error: NumVar
     speed_error: NumVar
-    offset: NumVar
-    speed_offset: NumVar
+    prediction: NumVar
+    prediction_mm_s: NumVar
 
 
 class Parts:
@@ -127,10 +127,10 @@ class Parts:
     def __init__(self, config: SelectionConfig) -> None:
         self.declared = declared = Declared()
         self.config = config
-        self.usable = declared.state(number("usable_satellites", COUNT, 0, config.channels), first=0)
+        self.usable_satellites = declared.state(number("usable_satellites", COUNT, 0, config.channels), first=0)
         self.channels = tuple(_channel(declared, n, config) for n in range(1, config.channels + 1))
         self.clock = declared.choice(number("clock_mm", MM, -(10**9), 10**9))
-        self.speed_clock = declared.choice(number("clock_mm_s", MM_S, -(10**8), 10**8))
+        self.clock_mm_s = declared.choice(number("clock_mm_s", MM_S, -(10**8), 10**8))
 
 
 def parts(config: SelectionConfig) -> Parts:

@@ -30,6 +30,8 @@ def _comparison_law(own: Parts, one: Channel) -> Law:
 
 
 def _is_compared(own: Parts, one: Channel) -> Bool:
-    ranges = one.off.present.implies(one.off.value.eq(one.error + one.offset - own.clock))
-    speeds = one.speed_off.present.implies(one.speed_off.value.eq(one.speed_error + one.speed_offset - own.speed_clock))
+    ranges = one.off.present.implies(one.off.value.eq(one.error + one.prediction - own.clock))
+    speeds = one.speed_off.present.implies(
+        one.speed_off.value.eq(one.speed_error + one.prediction_mm_s - own.clock_mm_s)
+    )
     return ranges & speeds

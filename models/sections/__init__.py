@@ -178,9 +178,9 @@ class _Reported:
 
     rule: NumVar
     since: NumVar
-    trains: NumVar
-    first_train: NumVar
-    followed: NumVar
+    trains_here: NumVar
+    first_train_here: NumVar
+    trains_followed_here: NumVar
     evidence: NumVar
     age: NumVar
     trust: NumVar
@@ -219,9 +219,9 @@ def section(config: SectionsConfig, name: str) -> Section:
             "from_mm": start,
             "to_mm": end,
             "clear": current_mode(table).eq(table[1]),
-            "trains": reported.trains,
-            "first_train": reported.first_train,
-            "trains_followed": reported.followed,
+            "trains": reported.trains_here,
+            "first_train": reported.first_train_here,
+            "trains_followed": reported.trains_followed_here,
             "rule": reported.rule,
             "since_cycles": reported.since,
             "evidence": reported.evidence,
@@ -242,12 +242,12 @@ def _reported(declared: Declared, config: SectionsConfig) -> _Reported:
     return _Reported(
         rule=declared.state(number("rule", COUNT, 0, 12), first=0),
         since=declared.state(number("since_cycles", COUNT, 0, count), first=0),
-        trains=declared.state(number("trains_here", COUNT, 0, trains), first=0),
-        first_train=declared.state(number("first_train_here", COUNT, 0, trains), first=0),
-        followed=declared.state(number("trains_followed_here", COUNT, 0, trains), first=0),
-        evidence=declared.state(choice("rests_on", enumeration(EVIDENCE)), first=NOTHING_YET),
-        age=declared.state(number("rests_on_age_cycles", COUNT, 0, count), first=0),
-        trust=declared.state(choice("told_with", enumeration(TRUST)), first=NO_TRUST),
+        trains_here=declared.state(number("trains_here", COUNT, 0, trains), first=0),
+        first_train_here=declared.state(number("first_train_here", COUNT, 0, trains), first=0),
+        trains_followed_here=declared.state(number("trains_followed_here", COUNT, 0, trains), first=0),
+        evidence=declared.state(choice("evidence", enumeration(EVIDENCE)), first=NOTHING_YET),
+        age=declared.state(number("evidence_age_cycles", COUNT, 0, count), first=0),
+        trust=declared.state(choice("trust", enumeration(TRUST)), first=NO_TRUST),
     )
 
 
@@ -273,9 +273,9 @@ def _train(declared: Declared, number_: int, limit: int, count: int) -> TrainHer
 
 def _table(judgement: Judgement, table: tuple[Lit, ...], reported: _Reported) -> Iterator[Transition]:
     evidence: Updates = {
-        reported.trains: judgement.count,
-        reported.first_train: judgement.first,
-        reported.followed: judgement.followed_count,
+        reported.trains_here: judgement.count,
+        reported.first_train_here: judgement.first,
+        reported.trains_followed_here: judgement.followed_count,
         reported.evidence: judgement.evidence,
         reported.age: judgement.age,
         reported.trust: judgement.trust,

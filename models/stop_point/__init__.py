@@ -94,8 +94,8 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
         "order": order,
         "speed_limit_mm_s": ite(slow, Lit(own.config.reduced_speed_mm_s, MM_S), 0),
         "in_position": current.eq(table[MODES.index("STOPPED")]),
-        "pending_stop": own.pending,
-        "distance_mm": own.distance,
+        "pending_stop": own.pending_number,
+        "distance_mm": own.to_go,
         "reason": own.reason,
     }
 
@@ -104,8 +104,8 @@ def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]
     """Return the lemmas: a stop is pending in every mode but IDLE; without one, no place is stored and no distance shown."""
     idle = current.eq(table[0])
     return {
-        "a stop is pending unless idle": idle.iff(own.pending.eq(0)),
-        "no distance while idle": idle.implies(own.distance.eq(0)),
+        "a stop is pending unless idle": idle.iff(own.pending_number.eq(0)),
+        "no distance while idle": idle.implies(own.to_go.eq(0)),
         "no place while idle": idle.implies(all_of(kept.eq(0) for kept in (own.stop, own.before, own.after))),
     }
 

@@ -49,18 +49,18 @@ class Judgement:
     @property
     def selectable(self) -> Bool:
         """The selected stop is on the map, lies ahead, and is not the one served last."""
-        new = self.own.selected.value.ne(self.own.served)
+        new = self.own.selected_stop.value.ne(self.own.served_number)
         return self.own.valid & self.named & self.known & new & (self.high <= self.chosen.ends)
 
     @property
     def named(self) -> Bool:
         """The mission selects a stop."""
-        return self.own.selected.present
+        return self.own.selected_stop.present
 
     @property
     def changed(self) -> Bool:
         """The mission selects another stop than the pending one."""
-        return self.selectable & self.own.selected.value.ne(self.own.pending)
+        return self.selectable & self.own.selected_stop.value.ne(self.own.pending_number)
 
     @property
     def beyond(self) -> Bool:
@@ -121,9 +121,9 @@ def judge(own: Parts) -> Judgement:
     """Build the terms of one cycle."""
     first = own.stops[0]
     chosen = Window(first.position.value, first.before, first.after)
-    known = [own.selected.value.eq(as_num(1, COUNT)) & first.position.present]
+    known = [own.selected_stop.value.eq(as_num(1, COUNT)) & first.position.present]
     for number, stop in enumerate(own.stops[1:], 2):
-        meant = own.selected.value.eq(as_num(number, COUNT))
+        meant = own.selected_stop.value.eq(as_num(number, COUNT))
         known.append(meant & stop.position.present)
         chosen = choose(meant, Window(stop.position.value, stop.before, stop.after), chosen)
     return Judgement(

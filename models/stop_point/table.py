@@ -35,10 +35,10 @@ def _ending(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     """Yield the rows that end a stop, and of a lost position."""
     idle, approach, braking, stopped, short, creeping, overrun, repositioning, held = table
     pending = (approach, braking, stopped, short, creeping, overrun, repositioning)
-    over = together(_no_stop(own), {own.served: own.pending, own.reason: NO_REASON})
+    over = together(_no_stop(own), {own.served_number: own.pending_number, own.reason: NO_REASON})
     yield Transition("released", (short, overrun, held), idle, own.released, over, REQUIREMENTS, 0)
     yield Transition("departs", stopped, idle, own.departure & own.valid, over, REQUIREMENTS, 0)
-    lost: Updates = {own.reason: NO_POSITION, own.distance: 0}
+    lost: Updates = {own.reason: NO_POSITION, own.to_go: 0}
     yield Transition("position lost", pending, held, ~own.valid, lost, REQUIREMENTS, 1)
 
 
@@ -49,19 +49,19 @@ def _selecting(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator
         own.stop: cycle.chosen.stop,
         own.before: cycle.chosen.before,
         own.after: cycle.chosen.after,
-        own.pending: own.selected.value,
-        own.served: 0,
-        own.distance: cycle.chosen.stop - own.position,
+        own.pending_number: own.selected_stop.value,
+        own.served_number: 0,
+        own.to_go: cycle.chosen.stop - own.position,
         own.reason: NO_REASON,
     }
     yield Transition("stop selected", idle, approach, cycle.selectable, chosen, REQUIREMENTS, 2)
     yield Transition("another stop selected", approach, approach, cycle.changed, chosen, REQUIREMENTS, 2)
-    dropped = together(_no_stop(own), {own.served: 0, own.reason: NO_REASON})
+    dropped = together(_no_stop(own), {own.served_number: 0, own.reason: NO_REASON})
     yield Transition("no stop selected", (idle, approach), idle, ~cycle.named, dropped, REQUIREMENTS, 2)
     refused: Updates = {own.reason: UNKNOWN_STOP}
     yield Transition("stop not on the map", idle, idle, ~cycle.known, refused, REQUIREMENTS, 3)
     behind: Updates = {own.reason: NOT_AHEAD}
-    missed = own.valid & (cycle.high > cycle.chosen.ends) & own.selected.value.ne(own.served)
+    missed = own.valid & (cycle.high > cycle.chosen.ends) & own.selected_stop.value.ne(own.served_number)
     yield Transition("stop not ahead", idle, idle, missed, behind, REQUIREMENTS, 4)
 
 
@@ -126,7 +126,7 @@ def _waiting(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[T
     yield Transition("creeps on", creeping, creeping, TRUE, near, REQUIREMENTS, 10)
     yield Transition("stands beyond", overrun, overrun, TRUE, near, REQUIREMENTS, 10)
     yield Transition("reverses on", repositioning, repositioning, TRUE, near, REQUIREMENTS, 10)
-    yield Transition("held", held, held, TRUE, {own.distance: 0}, REQUIREMENTS, 10)
+    yield Transition("held", held, held, TRUE, {own.to_go: 0}, REQUIREMENTS, 10)
 
 
 # ------------------------------------------------------------------ groups of updates
@@ -134,7 +134,7 @@ def _waiting(own: Parts, cycle: Judgement, table: tuple[Lit, ...]) -> Iterator[T
 
 def _to_go(cycle: Judgement) -> Updates:
     """Return the update of the shown distance."""
-    return {cycle.own.distance: cycle.pending.stop - cycle.own.position}
+    return {cycle.own.to_go: cycle.pending.stop - cycle.own.position}
 
 
 def _fit(cycle: Judgement) -> Updates:
@@ -144,4 +144,4 @@ def _fit(cycle: Judgement) -> Updates:
 
 def _no_stop(own: Parts) -> Updates:
     """Return the updates after which no stop is pending: place, window, distance and number are 0."""
-    return {own.stop: 0, own.before: 0, own.after: 0, own.distance: 0, own.pending: 0}
+    return {own.stop: 0, own.before: 0, own.after: 0, own.to_go: 0, own.pending_number: 0}

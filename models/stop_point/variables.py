@@ -71,13 +71,13 @@ class Parts:
     """The variables of the machine.
 
     valid      the position is valid; precise: a measurement gives it
-    selected   number of the stop point that the mission selects, from 1 on; absent: none
+    selected_stop   number of the stop point that the mission selects, from 1 on; absent: none
     permitted  the vehicle may move within the platform at reduced speed (dispatcher, doors, rear clear)
     departure  the stop is served, the vehicle may leave it
     released   the person in charge takes over: the stop is given up
     stop, before, after  place and window of the pending stop
-    pending, served      numbers of the pending stop and of the one served last; 0: none
-    distance   distance to the pending stop, as shown
+    pending_number, served_number      numbers of the pending stop and of the one served last; 0: none
+    to_go   distance to the pending stop, as shown
     run_out    ghost: distance that the vehicle still runs if the order to brake comes in the next cycle
     """
 
@@ -93,16 +93,16 @@ class Parts:
         self.below = declared.sensor(number("margin_below_mm", MM, 0, config.tolerance_mm))
         self.speed = declared.sensor(number("speed_mm_s", MM_S, -fast, fast))
         self.stops = tuple(_map_stop(declared, number_, limit) for number_ in range(1, config.stop_points + 1))
-        self.selected = declared.sensor(optional("selected_stop", COUNT, 1, config.stop_points))
+        self.selected_stop = declared.sensor(optional("selected_stop", COUNT, 1, config.stop_points))
         self.permitted = declared.sensor(boolean("reposition_permitted"))
         self.departure = declared.sensor(boolean("departure"))
         self.released = declared.sensor(boolean("released"))
         self.stop = declared.state(number("stop_mm", MM, -limit, limit), first=0)
         self.before = declared.state(number("before_mm", MM, 0, _MOST_WINDOW_MM), first=0)
         self.after = declared.state(number("after_mm", MM, 0, _MOST_WINDOW_MM), first=0)
-        self.pending = declared.state(number("pending_number", COUNT, 0, config.stop_points), first=0)
-        self.served = declared.state(number("served_number", COUNT, 0, config.stop_points), first=0)
-        self.distance = declared.state(number("to_go_mm", MM, -2 * limit, 2 * limit), first=0)
+        self.pending_number = declared.state(number("pending_number", COUNT, 0, config.stop_points), first=0)
+        self.served_number = declared.state(number("served_number", COUNT, 0, config.stop_points), first=0)
+        self.to_go = declared.state(number("to_go_mm", MM, -2 * limit, 2 * limit), first=0)
         self.reason = declared.state(choice("held_reason", enumeration(REASON)), first=NO_REASON)
         self.truth = declared.ghost(number("truth_nm", NM, -reach, reach), first=ANY)
         self.true_speed = declared.ghost(number("true_speed_mm_s", MM_S, -fast - error, fast + error), first=ANY)

@@ -69,7 +69,9 @@ def build(own: Parts) -> TravelDirection:
         state=own.declared.states,
         outputs={
             "direction": ite(current.eq(along), ALONG, ite(current.eq(against), AGAINST, UNKNOWN)),
-            "contradicts": ite(current.eq(along), own.asked.eq(AGAINST), current.eq(against) & own.asked.eq(ALONG)),
+            "contradicts": ite(
+                current.eq(along), own.asked_direction.eq(AGAINST), current.eq(against) & own.asked_direction.eq(ALONG)
+            ),
         },
         transitions=list(_table(own, current, table)),
         world=world(own),
@@ -86,18 +88,18 @@ def build(own: Parts) -> TravelDirection:
 
 def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transition]:
     unknown, half, along, against = table
-    asked: Updates = {own.asked: own.expected}
-    with_latest = together(asked, {own.last: own.latest})
-    none: Updates = {own.awaited: NO_MODEL, own.along: False}
-    ended, turned = together(with_latest, none), together(asked, none, {own.last: NO_MODEL})
-    begun_along = together(with_latest, {own.awaited: own.after, own.along: True})
-    begun_against = together(with_latest, {own.awaited: own.before, own.along: False})
+    asked: Updates = {own.asked_direction: own.route_direction}
+    with_latest = together(asked, {own.last_passed_model: own.latest})
+    none: Updates = {own.awaited_model: NO_MODEL, own.along: False}
+    ended, turned = together(with_latest, none), together(asked, none, {own.last_passed_model: NO_MODEL})
+    begun_along = together(with_latest, {own.awaited_model: own.after, own.along: True})
+    begun_against = together(with_latest, {own.awaited_model: own.before, own.along: False})
     fits_along = own.telling & own.latest.eq(own.before) & current.ne(along)
     fits_against = own.telling & own.latest.eq(own.after) & current.ne(against)
     yield Transition("turned", table, unknown, own.backwards, turned, REQUIREMENTS, 0)
     yield Transition("fits along", table, half, fits_along, begun_along, REQUIREMENTS, 1)
     yield Transition("fits against", table, half, fits_against, begun_against, REQUIREMENTS, 1)
-    yield Transition("fits neither", half, unknown, own.balise, ended, REQUIREMENTS, 2)
+    yield Transition("fits neither", half, unknown, own.balise_read, ended, REQUIREMENTS, 2)
     yield Transition("confirmed along", half, along, own.confirmed & own.along, ended, REQUIREMENTS, 2)
     yield Transition("confirmed against", half, against, own.confirmed & ~own.along, ended, REQUIREMENTS, 2)
     yield Transition("refuted", half, unknown, own.refuted, ended, REQUIREMENTS, 2)
@@ -108,14 +110,15 @@ def _table(own: Parts, current: Num, table: tuple[Lit, ...]) -> Iterator[Transit
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     _, half, along, against = table
     return {
-        "the last model is the one read last": own.last.eq(own.last_read),
-        "a half that began rightly is right": (current.eq(half) & own.first_right).implies(
+        "the last model is the one read last": own.last_passed_model.eq(own.last_read_model),
+        "a half that began rightly is right": (current.eq(half) & own.first_model_right).implies(
             own.along.iff(own.runs_along)
         ),
         "a half awaits what is due if it is right": current.eq(half).implies(
-            own.due.ne(NO_MODEL) & own.awaited.eq(own.due).iff(own.along.iff(own.runs_along))
+            own.true_next_model.ne(NO_MODEL)
+            & own.awaited_model.eq(own.true_next_model).iff(own.along.iff(own.runs_along))
         ),
-        "a half awaits a model": current.eq(half).implies(own.awaited.ne(NO_MODEL)),
+        "a half awaits a model": current.eq(half).implies(own.awaited_model.ne(NO_MODEL)),
         "along is along": current.eq(along).implies(own.runs_along),
         "against is against": current.eq(against).implies(~own.runs_along),
     }

@@ -57,7 +57,7 @@ def build(own: Parts) -> TurnOff:
     table = modes("IDLE", "BEFORE", "OVER", "DECIDED", "UNSEEN")
     current = current_mode(table)
     _, _, over, decided, _ = table
-    contradicts = current.eq(decided) & own.asked.ne(UNDECIDED) & own.asked.ne(own.course)
+    contradicts = current.eq(decided) & own.asked_course.ne(UNDECIDED) & own.asked_course.ne(own.course)
     made = Machine(
         name="turn_off",
         modes=table,
@@ -83,14 +83,16 @@ def build(own: Parts) -> TurnOff:
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     idle, before, over, decided, unseen = table
     turn, straight = own.config.turn_mm, own.config.straight_mm
-    asked: Updates = {own.asked: own.authorised}
-    found: Updates = {own.misses: 0}
-    missed: Updates = {own.misses: _misses(own)}
-    nearer: Updates = {own.noted: ite(own.measured, own.lateral, own.noted)}
-    noting = together(asked, found, {own.here: own.switch.value, own.noted: own.lateral, own.course: UNDECIDED})
+    asked: Updates = {own.asked_course: own.authorised_course}
+    found: Updates = {own.unmeasured: 0}
+    missed: Updates = {own.unmeasured: _misses(own)}
+    nearer: Updates = {own.noted_lateral: ite(own.measured, own.lateral, own.noted_lateral)}
+    noting = together(
+        asked, found, {own.here: own.switch_position.value, own.noted_lateral: own.lateral, own.course: UNDECIDED}
+    )
     unseen_on, watched, noted = together(asked, found), together(asked, missed), together(asked, missed, nearer)
     left, right, on = (together(asked, found, {own.course: course}) for course in (LEFT, RIGHT, STRAIGHT))
-    forgotten: Updates = {own.here: own.here.low, own.course: UNDECIDED, own.asked: UNDECIDED}
+    forgotten: Updates = {own.here: own.here.low, own.course: UNDECIDED, own.asked_course: UNDECIDED}
     yield Transition("switch in view", table, before, own.announced, noting, REQUIREMENTS, 0)
     yield Transition("reflector unseen", (before, over), unseen, own.given_up, unseen_on, REQUIREMENTS, 1)
     yield Transition("still before", before, before, own.before, noted, REQUIREMENTS, 2)
@@ -107,19 +109,19 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 def _misses(own: Parts) -> Num:
     """Return the cycles in a row without a measurement, this one included."""
-    counted = ite(own.misses >= own.misses.high, own.misses, own.misses + 1)
+    counted = ite(own.unmeasured >= own.unmeasured.high, own.unmeasured, own.unmeasured + 1)
     return ite(own.measured, as_num(0, COUNT), counted)
 
 
 def _lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     idle, before, over, decided, unseen = table
-    noted = abs_(own.noted - own.place) <= own.config.lateral_error_mm
+    noted = abs_(own.noted_lateral - own.true_lateral) <= own.config.lateral_error_mm
     return {
-        "the noted place is true": current.one_of(before, over).implies(noted & own.true.ne(UNDECIDED)),
+        "the noted place is true": current.one_of(before, over).implies(noted & own.true_course.ne(UNDECIDED)),
         "the switch is that of the measured reflector": current.one_of(before, over, decided, unseen).implies(
             own.here.eq(own.true_switch)
         ),
-        "the decided course is true": current.eq(decided).implies(own.course.eq(own.true)),
+        "the decided course is true": current.eq(decided).implies(own.course.eq(own.true_course)),
         "no course before the decision": current.ne(decided).implies(own.course.eq(UNDECIDED)),
         "a decision has a course": current.eq(decided).implies(own.course.ne(UNDECIDED)),
         "no switch while idle": current.eq(idle).implies(own.here.eq(own.here.low)),

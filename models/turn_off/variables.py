@@ -56,16 +56,16 @@ class Parts:
 
     measured     the reflector behind the switch was measured in this cycle, at `lateral` (positive to the left)
     low, high    the reported interval of end A
-    switch       the map's next facing switch, within the view zone of that reflector
-    authorised   the course by map and movement authority
+    switch_position       the map's next facing switch, within the view zone of that reflector
+    authorised_course   the course by map and movement authority
     true_switch  ghost: the switch whose reflector is measured
-    true         ghost: the course the vehicle takes at that switch
+    true_course         ghost: the course the vehicle takes at that switch
     place, shift ghosts: lateral place of the reflector before the switch, and the lateral motion of its image since then
     here         the switch that is watched; its lowest value: none
-    noted        lateral place of the image before the switch
+    noted_lateral        lateral place of the image before the switch
     course       the course seen; UNDECIDED: none yet
-    asked        the course by map and movement authority, as received last
-    misses       cycles in a row without a measurement, over the switch
+    asked_course        the course by map and movement authority, as received last
+    unmeasured       cycles in a row without a measurement, over the switch
     """
 
     def __init__(self, config: TurnOffConfig) -> None:
@@ -76,29 +76,34 @@ class Parts:
         self.lateral = declared.sensor(number("lateral_mm", MM, -most, most))
         self.low = declared.sensor(number("position_low_mm", MM, -limit, limit))
         self.high = declared.sensor(number("position_high_mm", MM, -limit, limit))
-        self.switch = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
-        self.authorised = declared.sensor(choice("authorised_course", course))
+        self.switch_position = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
+        self.authorised_course = declared.sensor(choice("authorised_course", course))
         self.here = declared.state(number("switch_here_mm", MM, -limit - 1, limit), first=-limit - 1)
-        self.noted = declared.state(number("noted_lateral_mm", MM, -most, most), first=0)
+        self.noted_lateral = declared.state(number("noted_lateral_mm", MM, -most, most), first=0)
         self.course = declared.state(choice("seen_course", course), first=UNDECIDED)
-        self.asked = declared.state(choice("asked_course", course), first=UNDECIDED)
-        self.misses = declared.state(number("unmeasured_cycles", COUNT, 0, config.miss_limit_cycles), first=0)
+        self.asked_course = declared.state(choice("asked_course", course), first=UNDECIDED)
+        self.unmeasured = declared.state(number("unmeasured_cycles", COUNT, 0, config.miss_limit_cycles), first=0)
         self.true_switch = declared.ghost(number("true_switch_mm", MM, -limit, limit), first=ANY)
-        self.true = declared.ghost(choice("true_course", course), first=ANY)
-        self.place = declared.ghost(number("true_lateral_mm", MM, -2 * most, 2 * most), first=ANY)
-        self.next_true = declared.choice(choice("next_true_course", course))
-        self.next_place = declared.choice(number("next_true_lateral_mm", MM, -2 * most, 2 * most))
+        self.true_course = declared.ghost(choice("true_course", course), first=ANY)
+        self.true_lateral = declared.ghost(number("true_lateral_mm", MM, -2 * most, 2 * most), first=ANY)
+        self.next_true_course = declared.choice(choice("next_true_course", course))
+        self.next_true_lateral = declared.choice(number("next_true_lateral_mm", MM, -2 * most, 2 * most))
         self.shift = declared.choice(number("true_shift_mm", MM, -4 * most, 4 * most))
 
     @property
     def motion(self) -> Num:
         """Lateral motion of the image since its place was noted, mm."""
-        return self.lateral - self.noted
+        return self.lateral - self.noted_lateral
 
     @property
     def announced(self) -> Bool:
         """The map announces another switch; the vehicle is surely before it, and the reflector is measured."""
-        return self.switch.present & self.switch.value.ne(self.here) & (self.high < self.switch.value) & self.measured
+        return (
+            self.switch_position.present
+            & self.switch_position.value.ne(self.here)
+            & (self.high < self.switch_position.value)
+            & self.measured
+        )
 
     @property
     def before(self) -> Bool:
@@ -114,7 +119,7 @@ class Parts:
     def given_up(self) -> Bool:
         """The vehicle is far beyond the switch, or the radar has not measured the reflector for too long."""
         far = self.low > self.here + self.config.give_up_mm
-        return far | (~self.measured & (self.misses >= self.config.miss_limit_cycles))
+        return far | (~self.measured & (self.unmeasured >= self.config.miss_limit_cycles))
 
 
 def parts(config: TurnOffConfig) -> Parts:

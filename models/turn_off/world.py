@@ -22,8 +22,8 @@ def world(own: Parts) -> World:
         choices=own.declared.choices,
         moves={
             own.true_switch: _switch(own),
-            own.true: _course(own, chosen),
-            own.place: _place(own),
+            own.true_course: _course(own, chosen),
+            own.true_lateral: _place(own),
         },
         clauses={
             GIVEN: _given_ahead(own),
@@ -39,20 +39,20 @@ def world(own: Parts) -> World:
 
 def _another(own: Parts) -> Bool:
     """Return whether the map gives another switch, and the radar measures its reflector."""
-    return own.switch.present & own.measured & own.switch.value.ne(own.true_switch)
+    return own.switch_position.present & own.measured & own.switch_position.value.ne(own.true_switch)
 
 
 def _switch(own: Parts) -> Num:
-    return ite(_another(own), own.switch.value, own.true_switch)
+    return ite(_another(own), own.switch_position.value, own.true_switch)
 
 
 def _place(own: Parts) -> Num:
-    return ite(_another(own), own.next_place, own.place)
+    return ite(_another(own), own.next_true_lateral, own.true_lateral)
 
 
 def _given_ahead(own: Parts) -> Law:
     return Law(
-        own.switch.present.implies(own.switch.value > own.high),
+        own.switch_position.present.implies(own.switch_position.value > own.high),
         "The map is looked up ahead of the reported interval, and returns a switch together with the reflector behind it.",
         source="[D] the interface of the map on board",
         owner="supplier",
@@ -62,7 +62,7 @@ def _given_ahead(own: Parts) -> Law:
 
 def _one_course(own: Parts) -> Law:
     return Law(
-        own.next_true.ne(UNDECIDED),
+        own.next_true_course.ne(UNDECIDED),
         "At a switch a vehicle runs straight on, to the left or to the right.",
         source="[D] a switch has two legs, a three-way switch three",
         owner="infrastructure",
@@ -121,4 +121,4 @@ def _turns(own: Parts, chosen: Bool, *, left: bool) -> Law:
 
 
 def _course(own: Parts, chosen: Bool) -> Num:
-    return ite(chosen, own.next_true, own.true)
+    return ite(chosen, own.next_true_course, own.true_course)

@@ -142,7 +142,7 @@ def _rows(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transiti
     anew = together(every, own.held.become(cycle.first), _reference(own))
 
     def drop(name: str, when: Bool, why: Lit, rank: int) -> Transition:
-        return Transition(name, held, none, when, together(every, {memory.why: why}), REQUIREMENTS, rank)
+        return Transition(name, held, none, when, together(every, {memory.reason: why}), REQUIREMENTS, rank)
 
     yield Transition("unlinked group read", table, held, cycle.taken, anew, REQUIREMENTS, 0)
     yield drop("sensors failed", own.odometer.failed, v.SENSOR_FAILURE, 1)
@@ -157,8 +157,8 @@ def _every(own: Parts, cycle: Cycle) -> Updates:
     _, direction = own.heading.after(own.odometer.distance)
     told = own.national
     accuracy: Updates = {
-        told.known: told.known | told.received.present,
-        told.kept: ite(told.received.present, told.received.value, told.kept),
+        told.known: told.known | told.national_accuracy.present,
+        told.stored: ite(told.national_accuracy.present, told.national_accuracy.value, told.stored),
     }
     return together(own.odometer.listen(), direction, accuracy, {own.memory.verdict: cycle.verdict})
 
@@ -171,7 +171,7 @@ def _reference(own: Parts) -> Updates:
         memory.passed: own.read.passed,
         memory.accuracy: own.national.accuracy,
         memory.age: own.read.age.value,
-        memory.why: v.HELD,
+        memory.reason: v.HELD,
     }
 
 
@@ -192,7 +192,7 @@ def _outputs(own: Parts, held: Bool) -> dict[str, Expr]:
         "age_ms": ite(held, memory.age, 0),
         "telegram": memory.verdict,
         "odometer": own.odometer.last_verdict,
-        "reason": memory.why,
+        "reason": memory.reason,
     }
 
 
@@ -200,9 +200,9 @@ def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:
     seen, told, odometer = own.world, own.national, own.odometer
     interval, half = own.held.interval, own.config.odometer.wander_nm
     off = seen.distance - exact_to(interval.position, NM) - seen.wander
-    in_force = ite(told.known, told.kept, own.config.default_accuracy_mm)
+    in_force = ite(told.known, told.stored, own.config.default_accuracy_mm)
     return {
-        "the national accuracy is the one received": seen.national.eq(in_force),
+        "the national accuracy is the one received": seen.national_accuracy_sent.eq(in_force),
         "the heading is the measured one": own.heading.backwards.iff(seen.backwards)
         & own.heading.rolled.eq(seen.rolled),
         "machine and world agree on the last odometer distance": odometer.gap.eq(seen.silent)

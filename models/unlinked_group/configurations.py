@@ -7,7 +7,7 @@ from safeloc.models.balise.configurations import ERRING
 from safeloc.models.unlinked_group.variables import UnlinkedGroupConfig
 
 NEVER = {
-    "models/unlinked_group/world.py: between(-farthest, seen.true_step, farthest) from _odometer_law(own)": "the choice has this range; the clause names it for the register of assumptions",
+    "models/unlinked_group/world.py: between(-farthest, seen.true_cycle_distance, farthest) from _odometer_law(own)": "the choice has this range; the clause names it for the register of assumptions",
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.measured.value), as_num(0, MS), ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
 }
 """Case splits that no configuration makes live, and why."""

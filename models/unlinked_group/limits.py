@@ -44,9 +44,9 @@ def _towards(wanted: int, wander: int) -> int:
 def _moved(config: UnlinkedGroupConfig, distance: int | None, side: int, slipped: int) -> dict[str, Cell]:
     """Return a distance that is wrong by its rate and a slip, nm, or the farthest run where nothing is measured."""
     if distance is None:
-        return {"true_step_nm": side * config.max_speed_mm_s * config.period_ms * 1_000}
+        return {"true_cycle_distance_nm": side * config.max_speed_mm_s * config.period_ms * 1_000}
     error = side * abs(distance) * config.odometer.rate_ppm
-    return {"odometer_mm": distance, "true_step_nm": distance * NM_PER_MM + error + slipped}
+    return {"odometer_mm": distance, "true_cycle_distance_nm": distance * NM_PER_MM + error + slipped}
 
 
 def _readings(config: UnlinkedGroupConfig, distance: int | None, side: int) -> Iterator[dict[str, Cell]]:

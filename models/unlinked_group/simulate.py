@@ -35,7 +35,7 @@ READ = (
     "telegram_first", "telegram_last", "telegram_age_ms", "telegram_since_mm",
 )  # fmt: skip
 """Inputs of the balise machine that the machine of the unlinked group reads as well."""
-PASSED_ON = ("true_step_nm", "odometer_next_wander_nm", "true_since_nm", "reading_wander_nm")
+PASSED_ON = ("true_cycle_distance_nm", "odometer_next_wander_nm", "true_since_nm", "reading_wander_nm")
 
 
 def beside(config: UnlinkedGroupConfig) -> BaliseConfig:

@@ -15,7 +15,7 @@ from safeloc.models.balise.linking import LARGEST_ACCURACY_MM, national
 from safeloc.models.balise.telegram import ORIENTATION, UNKNOWN, Reader, reading
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import Limits, max_step_change_mm, max_step_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
 from safeloc.models.vocabulary.odometer import Heading, odometer
 
 READ = members(
@@ -77,9 +77,9 @@ class UnlinkedGroupConfig(Config):
                 f"tolerance_mm {self.tolerance_mm} is below {self.first_margin_mm} mm, the widest margin right after a reading: "
                 "detection accuracy, the odometer's one-off constant, and the error of the run since the reading; raise it."
             )
-        if self.antenna_mm + 10 * self.max_step_mm > self.reach_mm:
+        if self.antenna_mm + 10 * self.max_cycle_distance_mm > self.reach_mm:
             raise ValueError(
-                f"reach_mm {self.reach_mm} is below {self.antenna_mm + 10 * self.max_step_mm} mm, the farthest distance right "
+                f"reach_mm {self.reach_mm} is below {self.antenna_mm + 10 * self.max_cycle_distance_mm} mm, the farthest distance right "
                 "after a reading: antenna, and ten cycles at the highest speed; raise it."
             )
         return self
@@ -87,22 +87,22 @@ class UnlinkedGroupConfig(Config):
     @property
     def first_margin_mm(self) -> int:
         """The widest margin right after a reading, mm, rounded up."""
-        counted = -(-10 * self.max_step_mm * self.odometer.rate_ppm // PPM_PER_ONE)
+        counted = -(-10 * self.max_cycle_distance_mm * self.odometer.rate_ppm // PPM_PER_ONE)
         unmeasured = -(-self.max_speed_mm_s * self.telegram_age_limit_ms // 1_000) + self.measuring_step_mm
         return self.detection_mm + self.odometer.constant_mm + max(counted, unmeasured)
 
     @property
-    def max_step_mm(self) -> int:
+    def max_cycle_distance_mm(self) -> int:
         """The greatest distance that is measured in a cycle at the highest speed, mm."""
-        return max_step_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
+        return max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
 
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        change = max_step_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
+        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
         gap = self.gap_limit_cycles
         return Limits(
-            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, self.max_step_mm, change, gap, gap, 0, self.reach_mm, False
+            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, self.max_cycle_distance_mm, change, gap, gap, 0, self.reach_mm, False
         )  # fmt: skip
 
     @property
@@ -126,7 +126,7 @@ class Memory:
     group, passed  identity of the group, and the orientation in which it was passed
     accuracy       location accuracy of the group: the national value, or its default, when the group was read
     age            time since the reading
-    verdict, why   of the cycle: on the reading, and why there is no reference
+    verdict, reason   of the cycle: on the reading, and why there is no reference
     """
 
     group: NumVar
@@ -134,7 +134,7 @@ class Memory:
     accuracy: NumVar
     age: NumVar
     verdict: NumVar
-    why: NumVar
+    reason: NumVar
 
 
 class Ghosts:
@@ -144,32 +144,38 @@ class Ghosts:
     wander, next_wander  the one-off part of the odometer's error, before the cycle and, freely chosen, after it
     last_delivered, silent  the last distance of the odometer that the vehicle can have run, mm, and the cycles since then
     backwards, rolled    the direction of running as measured, and the distance run against it without a break, mm
-    national             the national location accuracy, as last received, mm
-    true_step            the true run of the cycle
-    detected             how far the antenna was beyond balise 1 when it reported to stand over it
+    national_accuracy_sent             the national location accuracy, as last received, mm
+    true_cycle_distance            the true run of the cycle
+    read_beyond             how far the antenna was beyond balise 1 when it reported to stand over it
     true_since           the true run of the vehicle since the reading
     reading_wander       the one-off part of the odometer's error at the reading
     """
 
     def __init__(self, declared: Declared, config: UnlinkedGroupConfig) -> None:
         limits, half, line = config.limits, config.odometer.wander_nm, LINE_MM * NM_PER_MM
-        since = 20 * limits.max_step_mm * NM_PER_MM + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
+        since = (
+            20 * limits.max_cycle_distance_mm * NM_PER_MM
+            + 10 * config.telegram_age_limit_ms * config.max_speed_mm_s * 1_000
+        )
         off = 2 * config.detection_mm * NM_PER_MM
         self.distance = declared.ghost(number("true_distance_nm", NM, -line, line), first=ANY)
         self.wander = declared.ghost(number("odometer_wander_nm", NM, -half, half), first=ANY)
         self.last_delivered = declared.ghost(
-            number("odometer_heard_mm", MM, -limits.max_step_mm, limits.max_step_mm), first=0
+            number("odometer_last_delivered_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm),
+            first=0,
         )
         self.silent = declared.ghost(
             number("odometer_silent_cycles", COUNT, 0, limits.gap_limit + 1), first=limits.gap_limit + 1
         )
         self.backwards = declared.ghost(boolean("truly_backwards"), first=False)
         self.rolled = declared.ghost(number("truly_rolled_mm", MM, 0, config.reversal_mm), first=0)
-        told = number("national_accuracy_told_mm", MM, 0, LARGEST_ACCURACY_MM)
-        self.national = declared.ghost(told, first=config.default_accuracy_mm)
-        self.true_step = declared.choice(number("true_step_nm", NM, -limits.blind_nm, limits.blind_nm))
+        told = number("national_accuracy_sent_mm", MM, 0, LARGEST_ACCURACY_MM)
+        self.national_accuracy_sent = declared.ghost(told, first=config.default_accuracy_mm)
+        self.true_cycle_distance = declared.choice(
+            number("true_cycle_distance_nm", NM, -limits.blind_nm, limits.blind_nm)
+        )
         self.next_wander = declared.choice(number("odometer_next_wander_nm", NM, -half, half))
-        self.detected = declared.choice(number("read_beyond_nm", NM, -off, off))
+        self.read_beyond = declared.choice(number("read_beyond_nm", NM, -off, off))
         self.true_since = declared.choice(number("true_since_nm", NM, -since, since))
         self.reading_wander = declared.choice(number("reading_wander_nm", NM, -half, half))
 
@@ -198,7 +204,7 @@ class Parts:
         self.read = reading(
             declared,
             last_identity=config.last_group_identity,
-            max_step_mm=limits.max_step_mm,
+            max_cycle_distance_mm=limits.max_cycle_distance_mm,
             age_limit_ms=config.telegram_age_limit_ms,
         )
         self.national = national(declared, config.default_accuracy_mm)
@@ -226,6 +232,6 @@ def _memory(declared: Declared, config: UnlinkedGroupConfig) -> Memory:
         passed=declared.state(choice("reference_passed", enumeration(ORIENTATION)), first=UNKNOWN),
         accuracy=declared.state(number("reference_accuracy_mm", MM, 0, LARGEST_ACCURACY_MM), first=0),
         age=declared.state(number("reference_age_ms", MS, 0, LONGEST_AGE_MS), first=0),
-        verdict=declared.state(choice("telegram_judged", enumeration(READ)), first=NONE),
-        why=declared.state(choice("reason", enumeration(WHY)), first=NO_GROUP),
+        verdict=declared.state(choice("telegram_last_verdict", enumeration(READ)), first=NONE),
+        reason=declared.state(choice("reason", enumeration(WHY)), first=NO_GROUP),
     )

@@ -22,11 +22,11 @@ from safeloc.models.vocabulary.measuring_world import Measuring, Physics
 def world(own: Parts) -> World:
     """Make the world: the true movement, the odometer's error, and the true distance beyond the last unlinked group."""
     seen = own.world
-    received = own.national.received
+    received = own.national.national_accuracy
     moves: dict[Var, Expr] = {
         seen.distance: _distance_after(own),
         seen.wander: _wander_after(own),
-        seen.national: ite(~received.present, seen.national, received.value),
+        seen.national_accuracy_sent: ite(~received.present, seen.national_accuracy_sent, received.value),
         **_rolling(own),
         **measuring(own).moves(),
     }
@@ -55,8 +55,8 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
 def _distance_after(own: Parts) -> Num:
     """Return the true distance at the end of the cycle: from the group that is read if it can serve, else from the one before."""
     seen = own.world
-    anew = exact_to(as_num(own.config.antenna_mm, MM), NM) + seen.detected + seen.true_since
-    return ite(serves(own), anew, seen.distance + seen.true_step)
+    anew = exact_to(as_num(own.config.antenna_mm, MM), NM) + seen.read_beyond + seen.true_since
+    return ite(serves(own), anew, seen.distance + seen.true_cycle_distance)
 
 
 # ------------------------------------------------------------------ the vehicle and its odometer
@@ -79,8 +79,8 @@ def _wander_after(own: Parts) -> Num:
 def _odometer_law(own: Parts) -> Law:
     seen, unit = own.world, measuring(own)
     farthest = unit.physics.farthest_nm
-    error = seen.true_step - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
-    blind = between(-farthest, seen.true_step, farthest)
+    error = seen.true_cycle_distance - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
+    blind = between(-farthest, seen.true_cycle_distance, farthest)
     counts = unit.can_be_run
     return Law(
         (counts & unit.allows(error)) | (~counts & blind),
@@ -137,7 +137,7 @@ def serves(own: Parts) -> Bool:
 def _antenna_law(own: Parts) -> Law:
     most = own.config.detection_mm * NM_PER_MM
     return Law(
-        read_rightly(own.read).implies(between(-most, own.world.detected, most)),
+        read_rightly(own.read).implies(between(-most, own.world.read_beyond, most)),
         "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
         "accuracy; the antenna is so far behind the front end as configured.",
         ("antenna_mm", "detection_mm"),

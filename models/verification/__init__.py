@@ -120,21 +120,21 @@ def _table(own: Parts, judgement: Judgement, table: tuple[Lit, ...]) -> Iterator
     none, withheld, trusted, untrusted = table
     known, course = (withheld, trusted), (*REQUIREMENTS, *COURSE)
     good, fresh = judgement.verified & ~judgement.missing, judgement.current & ~judgement.missing
-    lack: Updates = {own.reason: ite(judgement.missing, judgement.lack, NOT_VERIFIED)}
-    verified: Updates = {own.reason: VERIFIED, own.given: TRUE}
+    lack: Updates = {own.why: ite(judgement.missing, judgement.lack, NOT_VERIFIED)}
+    verified: Updates = {own.why: VERIFIED, own.given_out: TRUE}
     taken = together(_readings(own, judgement), _record(own), _rests_on_record(own, judgement))
     goes_on = together(_readings(own, judgement), _rests_on(own, judgement))
-    gone = together(_forgotten(own), {own.reason: NO_RECORD, own.given: FALSE})
+    gone = together(_forgotten(own), {own.why: NO_RECORD, own.given_out: FALSE})
     yield Transition("train has left", table, none, own.leaves, gone, REQUIREMENTS, 0)
     yield Transition(
         "mismatch", table, untrusted, judgement.mismatch,
-        together(_forgotten(own), {own.reason: judgement.flaw}), (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1)  # fmt: skip
+        together(_forgotten(own), {own.why: judgement.flaw}), (*REQUIREMENTS, "FVA-6", "FVA-7", "FVA-8"), 1)  # fmt: skip
     yield Transition(
         "reference accepted and verified", table, trusted, judgement.accepted & good,
         together(taken, verified), ENTRY, 2)  # fmt: skip
     yield Transition(
         "reference accepted", table, withheld, judgement.accepted & ~good,
-        together(taken, lack, {own.given: FALSE}), ENTRY, 2)  # fmt: skip
+        together(taken, lack, {own.given_out: FALSE}), ENTRY, 2)  # fmt: skip
     yield Transition("verified", known, trusted, good, together(goes_on, verified), course, 3)
     yield Transition("still verified", trusted, trusted, fresh, together(goes_on, verified), course, 4)
     yield Transition("not verified now", known, withheld, TRUE, together(goes_on, lack), course, 5)
@@ -148,39 +148,43 @@ def _table(own: Parts, judgement: Judgement, table: tuple[Lit, ...]) -> Iterator
 def _readings(own: Parts, judgement: Judgement) -> Updates:
     """Store the last readings with bounds of later changes, the places possible by the record, and the front's interval."""
     slower, faster = judgement.abilities
-    speed, length = own.associated & own.seen_speed.present, own.associated & own.seen_length.present
+    speed, length = own.associated & own.fibre_speed.present, own.associated & own.fibre_length.present
     return {
         own.possible_low: judgement.possible[0],
         own.possible_high: judgement.possible[1],
         own.length_known: own.length_known | length,
-        own.last_length: ite(length, own.seen_length.value, own.last_length),
+        own.last_length: ite(length, own.fibre_length.value, own.last_length),
         own.speed_known: own.speed_known | speed,
-        own.last_speed: ite(speed, own.seen_speed.value, own.last_speed),
-        own.slower: ite(speed, 0, slower),
-        own.faster: ite(speed, 0, faster),
+        own.last_speed: ite(speed, own.fibre_speed.value, own.last_speed),
+        own.slower_by: ite(speed, 0, slower),
+        own.faster_by: ite(speed, 0, faster),
         own.place_known: own.place_known | judgement.placed,
-        own.last_place: ite(judgement.placed, own.place.value, own.last_place),
-        own.reach: ite(judgement.placed, 0, judgement.reach),
-        own.front: ite(judgement.placed, own.place.value, own.front),
-        own.front_above: ite(judgement.placed, own.place_above, own.front_above),
-        own.front_below: ite(judgement.placed, own.place_below, own.front_below),
+        own.last_place: ite(judgement.placed, own.fibre_position.value, own.last_place),
+        own.reach_since: ite(judgement.placed, 0, judgement.reach),
+        own.front: ite(judgement.placed, own.fibre_position.value, own.front),
+        own.front_margin_above: ite(judgement.placed, own.fibre_margin_above, own.front_margin_above),
+        own.front_margin_below: ite(judgement.placed, own.fibre_margin_below, own.front_margin_below),
     }
 
 
 def _record(own: Parts) -> Updates:
     """Store the accepted record."""
-    return {own.kept_count: own.record_count, own.kept_low: own.record_low, own.kept_high: own.record_high}
+    return {
+        own.stored_axles: own.record_axles,
+        own.stored_length_low: own.record_length_low,
+        own.stored_length_high: own.record_length_high,
+    }
 
 
 def _rests_on_record(own: Parts, judgement: Judgement) -> Updates:
     """Rest trust on the comparison with the record accepted in this cycle."""
     return {
-        own.age: ite(judgement.verified, 0, as_num(own.age.high, COUNT)),
+        own.verified_ago: ite(judgement.verified, 0, as_num(own.verified_ago.high, COUNT)),
         own.by_count: judgement.count_matches,
         own.by_length: judgement.length_matches,
-        own.by_speed: judgement.speed_compared,
-        own.by_place: judgement.place_compared,
-        own.by_control: judgement.controlled,
+        own.by_speed_at_entry: judgement.speed_compared,
+        own.by_place_at_entry: judgement.place_compared,
+        own.by_control_data: judgement.controlled,
         own.by_emitter: own.chain_tested,
     }
 
@@ -188,17 +192,17 @@ def _rests_on_record(own: Parts, judgement: Judgement) -> Updates:
 def _rests_on(own: Parts, judgement: Judgement) -> Updates:
     """Rest trust on the last verification; the comparisons made at the entry stay."""
     return {
-        own.age: judgement.age,
+        own.verified_ago: judgement.age,
         own.by_count: ite(judgement.verified, judgement.count_matches, own.by_count),
         own.by_length: ite(judgement.verified, judgement.length_matches, own.by_length),
-        own.by_control: judgement.controlled | own.by_control,
+        own.by_control_data: judgement.controlled | own.by_control_data,
         own.by_emitter: own.chain_tested,
     }
 
 
 def _forgotten(own: Parts) -> Updates:
     """Clear all data of the train."""
-    return together(dict.fromkeys((*own.numbers, own.age), 0), dict.fromkeys((*own.flags, *own.known), FALSE))
+    return together(dict.fromkeys((*own.numbers, own.verified_ago), 0), dict.fromkeys((*own.flags, *own.known), FALSE))
 
 
 # ------------------------------------------------------------------ outputs
@@ -211,22 +215,22 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     return {
         "trusted": trusted,
         "untrusted": current.eq(table[3]),
-        "revoked": current.eq(table[3]) & own.given,
+        "revoked": current.eq(table[3]) & own.given_out,
         "position_mm": position_if(trusted, own.front),
-        "margin_above_mm": margin_if(trusted, own.front_above),
-        "margin_below_mm": margin_if(trusted, own.front_below),
-        "reason": own.reason,
+        "margin_above_mm": margin_if(trusted, own.front_margin_above),
+        "margin_below_mm": margin_if(trusted, own.front_margin_below),
+        "reason": own.why,
         "verified_count": own.by_count,
         "verified_length": own.by_length,
-        "verified_speed_at_entry": own.by_speed,
-        "verified_place_at_entry": own.by_place,
-        "verified_train_control": own.by_control,
+        "verified_speed_at_entry": own.by_speed_at_entry,
+        "verified_place_at_entry": own.by_place_at_entry,
+        "verified_train_control": own.by_control_data,
         "verified_by_emitter": trusted & own.by_emitter,
-        "verified_cycles_ago": own.age,
+        "verified_cycles_ago": own.verified_ago,
         "handover_trusted": trusted,
-        "handover_axles": ite(known, own.kept_count, as_num(0, COUNT)),
-        "handover_length_low_mm": ite(known, own.kept_low, zero),
-        "handover_length_high_mm": ite(known, own.kept_high, zero),
+        "handover_axles": ite(known, own.stored_axles, as_num(0, COUNT)),
+        "handover_length_low_mm": ite(known, own.stored_length_low, zero),
+        "handover_length_high_mm": ite(known, own.stored_length_high, zero),
         "handover_place_low_mm": ite(known, maximum(own.possible_low, own.record_place_low.low), zero),
         "handover_place_high_mm": ite(known, minimum(own.possible_high, own.record_place_high.high), zero),
         "place_doubt_mm": ite(trusted, own.possible_high - own.possible_low + own.config.place_tolerance_mm, zero),

@@ -45,7 +45,7 @@ class Doubted:
     width        distance between the outermost places possible for the front by the last record and the top speed alone
     record_ago   cycles since that record, up to one more than a place can be used
     spread       distance between the bounds of the length in that record
-    untold_for   cycles since the fibre reported the train's count, or its length within tolerance and spread
+    since_confirmed   cycles since the fibre reported the train's count, or its length within tolerance and spread
     """
 
     own: Parts
@@ -54,7 +54,7 @@ class Doubted:
     width: NumVar
     record_ago: NumVar
     spread: NumVar
-    untold_for: NumVar
+    since_confirmed: NumVar
 
 
 def doubted(own: Parts) -> Doubted:
@@ -69,7 +69,7 @@ def doubted(own: Parts) -> Doubted:
         number("record_width_nm", NM, -wide, wide),
         number("record_ago_cycles", COUNT, 0, cycles),
         number("record_spread_um", UM, -own.length.high, own.length.high),
-        number("untold_for_cycles", COUNT, 0, config.currency_cycles + 1),
+        number("since_confirmed_cycles", COUNT, 0, config.currency_cycles + 1),
     )
 
 
@@ -81,7 +81,7 @@ def world(train: Doubted) -> World:
             **own.declared.ghosts,
             **dict.fromkeys((train.speed, train.width, train.spread), ANY),
             train.record_ago: 0,
-            train.untold_for: 0,
+            train.since_confirmed: 0,
         },
         choices=[*own.declared.choices, train.next_speed],
         moves={
@@ -99,7 +99,7 @@ def world(train: Doubted) -> World:
 
 
 def _came(own: Parts) -> Bool:
-    return own.due & own.source.one_of(AXLE_COUNTER, NEIGHBOUR)
+    return own.due & own.reference_from.one_of(AXLE_COUNTER, NEIGHBOUR)
 
 
 def _since_record(train: Doubted) -> dict[Var, Num]:
@@ -107,22 +107,22 @@ def _since_record(train: Doubted) -> dict[Var, Num]:
     own, came = train.own, _came(train.own)
     width = exact_to(own.record_place_high - own.record_place_low, NM) + 2 * _ran(own)
     grown = minimum(train.width + 2 * _run_nm(own), train.width.high)
-    spread = ite(came, exact_to(own.record_high - own.record_low, UM), train.spread)
-    older = minimum(train.untold_for + 1, train.untold_for.high)
+    spread = ite(came, exact_to(own.record_length_high - own.record_length_low, UM), train.spread)
+    older = minimum(train.since_confirmed + 1, train.since_confirmed.high)
     return {
         train.width: ite(came, width, grown),
         train.record_ago: ite(came, 0, minimum(train.record_ago + 1, train.record_ago.high)),
         train.spread: spread,
-        train.untold_for: ite(_measured_right(own, spread), as_num(0, COUNT), older),
+        train.since_confirmed: ite(_measured_right(own, spread), as_num(0, COUNT), older),
     }
 
 
 def _measured_right(own: Parts, spread: Num) -> Bool:
     """Return the condition that the fibre reported the train's count, or its length within tolerance and spread."""
-    count = own.seen_count.present & own.next_axles.eq(own.seen_count.value)
-    off = abs_(own.next_length - exact_to(own.seen_length.value, UM))
+    count = own.fibre_axles.present & own.next_axles.eq(own.fibre_axles.value)
+    off = abs_(own.next_length - exact_to(own.fibre_length.value, UM))
     near = off - spread <= own.config.length_tolerance_mm * UM_PER_MM
-    return own.associated & (count | (own.seen_length.present & near))
+    return own.associated & (count | (own.fibre_length.present & near))
 
 
 def _run_nm(own: Parts) -> Num:
@@ -174,7 +174,7 @@ def _train(own: Parts) -> dict[str, Bool | Law]:
 def _records(train: Doubted) -> dict[str, Bool | Law]:
     """Return the laws of a counter's record, and of a record that is handed over."""
     own = train.own
-    width, handed = (own.due & own.sound & own.source.eq(one) for one in (AXLE_COUNTER, NEIGHBOUR))
+    width, handed = (own.due & own.sound & own.reference_from.eq(one) for one in (AXLE_COUNTER, NEIGHBOUR))
     return {
         RECORD: Law(
             width.implies(_true_record(own) & _true_speed(train)),
@@ -205,8 +205,8 @@ def _true_record(own: Parts) -> Bool:
     low, high = (exact_to(one, NM) for one in (own.record_place_low, own.record_place_high))
     return all_of(
         [
-            own.next_axles.eq(own.record_count),
-            between(exact_to(own.record_low, UM), own.next_length, exact_to(own.record_high, UM)),
+            own.next_axles.eq(own.record_axles),
+            between(exact_to(own.record_length_low, UM), own.next_length, exact_to(own.record_length_high, UM)),
             own.next_truth + ran >= low,
             own.next_truth - ran <= high,
         ]

@@ -46,40 +46,44 @@ class Judgement:
         """The reference is sound and recent, has axles, and its bounds are in order."""
         own = self.own
         recent = own.record_age <= own.config.reference_age_limit_cycles
-        return own.sound & recent & (own.record_count > 0) & (own.record_low <= own.record_high)
+        return own.sound & recent & (own.record_axles > 0) & (own.record_length_low <= own.record_length_high)
 
     @cached_property
     def contradicts(self) -> Bool:
         """Another record of the same stay contradicts the stored one."""
         own = self.own
-        apart = (own.record_high < own.kept_low) | (own.record_low > own.kept_high)
-        return self.known & (own.record_count.ne(own.kept_count) | apart)
+        apart = (own.record_length_high < own.stored_length_low) | (own.record_length_low > own.stored_length_high)
+        return self.known & (own.record_axles.ne(own.stored_axles) | apart)
 
     @cached_property
     def reference(self) -> tuple[Num, Num, Num]:
         """Count and bounds of the length, mm, for the comparison: of the record that is due, or else of the stored one."""
         own = self.own
-        pairs = ((own.record_count, own.kept_count), (own.record_low, own.kept_low), (own.record_high, own.kept_high))
+        pairs = (
+            (own.record_axles, own.stored_axles),
+            (own.record_length_low, own.stored_length_low),
+            (own.record_length_high, own.stored_length_high),
+        )
         count, low, high = (ite(own.due, new, old) for new, old in pairs)
         return count, low, high
 
     @cached_property
     def accepted(self) -> Bool:
         """The machine accepts a reference in this cycle: no mismatch."""
-        return self.own.due & self.own.source.ne(v.NOBODY) & self.usable & ~self.mismatch
+        return self.own.due & self.own.reference_from.ne(v.NOBODY) & self.usable & ~self.mismatch
 
     # -------------------------------------------------------------- parameters that do not change
 
     @cached_property
     def count_matches(self) -> Bool:
         """The fibre's count is that of the reference."""
-        seen = self.own.seen_count
+        seen = self.own.fibre_axles
         return self.own.associated & seen.present & seen.value.eq(self.reference[0])
 
     @cached_property
     def length_matches(self) -> Bool:
         """The fibre's length agrees with the reference within both tolerances."""
-        seen = self.own.seen_length
+        seen = self.own.fibre_length
         return self.own.associated & seen.present & self._fits(seen.value)
 
     def _fits(self, length: Num) -> Bool:
@@ -95,12 +99,12 @@ class Judgement:
     @cached_property
     def controlled(self) -> Bool:
         """Train control reports count or length, and they match. Silence is no success."""
-        count, length = self.own.control_count, self.own.control_length
+        count, length = self.own.control_axles, self.own.control_length
         return (count.present | length.present) & ~self._control_count_differs & ~self._control_length_differs
 
     @cached_property
     def _control_count_differs(self) -> Bool:
-        return self.own.control_count.present & self.own.control_count.value.ne(self.reference[0])
+        return self.own.control_axles.present & self.own.control_axles.value.ne(self.reference[0])
 
     @cached_property
     def _control_length_differs(self) -> Bool:
@@ -110,20 +114,20 @@ class Judgement:
 
     @cached_property
     def _at_counter(self) -> Bool:
-        return self.own.due & self.own.source.eq(v.AXLE_COUNTER) & self.own.associated
+        return self.own.due & self.own.reference_from.eq(v.AXLE_COUNTER) & self.own.associated
 
     @cached_property
     def speed_compared(self) -> Bool:
         """The speed can be compared: the train is at the counter."""
-        return self._at_counter & self.own.seen_speed.present
+        return self._at_counter & self.own.fibre_speed.present
 
     @cached_property
     def speed_fits(self) -> Bool:
         """The fibre's speed is the counter's, within the tolerance and the possible change since the record."""
         own, config = self.own, self.own.config
         change = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // MS_PER_S)
-        slack = _scaled(own.record_age, change, own.seen_speed.value) + config.speed_tolerance_mm_s
-        return between(own.record_speed_low - slack, own.seen_speed.value, own.record_speed_high + slack)
+        slack = _scaled(own.record_age, change, own.fibre_speed.value) + config.speed_tolerance_mm_s
+        return between(own.record_speed_low - slack, own.fibre_speed.value, own.record_speed_high + slack)
 
     @cached_property
     def place_compared(self) -> Bool:
@@ -134,8 +138,8 @@ class Judgement:
     def place_fits(self) -> Bool:
         """The fibre's interval overlaps the counter's, within the tolerance and the possible run since the record."""
         own, config = self.own, self.own.config
-        slack = _scaled(own.record_age, config.fastest_run_mm, own.place.value) + config.place_tolerance_mm
-        low, high = own.place.value - own.place_below, own.place.value + own.place_above
+        slack = _scaled(own.record_age, config.fastest_run_mm, own.fibre_position.value) + config.place_tolerance_mm
+        low, high = own.fibre_position.value - own.fibre_margin_below, own.fibre_position.value + own.fibre_margin_above
         return (low <= own.record_place_high + slack) & (high >= own.record_place_low - slack)
 
     # -------------------------------------------------------------- possible places of the front, without the fibre
@@ -162,8 +166,11 @@ class Judgement:
     def out_of_reach(self) -> Bool:
         """The fibre's interval lies beyond the places possible by the last record; not in the cycle of a counter's record."""
         own, tolerance, (low, high) = self.own, self.own.config.place_tolerance_mm, self.possible
-        beyond, short = own.place.value - own.place_below - high, low - own.place.value - own.place_above
-        later = ~(own.due & own.source.eq(v.AXLE_COUNTER)) & ~self.doubtful
+        beyond, short = (
+            own.fibre_position.value - own.fibre_margin_below - high,
+            low - own.fibre_position.value - own.fibre_margin_above,
+        )
+        later = ~(own.due & own.reference_from.eq(v.AXLE_COUNTER)) & ~self.doubtful
         return self.placed & later & ((beyond > tolerance) | (short > tolerance))
 
     # -------------------------------------------------------------- course over time
@@ -171,7 +178,7 @@ class Judgement:
     @cached_property
     def placed(self) -> Bool:
         """The fibre located this train's front."""
-        return self.own.associated & self.own.located & self.own.place.present
+        return self.own.associated & self.own.located & self.own.fibre_position.present
 
     @cached_property
     def abilities(self) -> tuple[Num, Num]:
@@ -181,11 +188,11 @@ class Judgement:
         traction = Lit(own.config.traction_mm_s2, MM_S2) * period
         either = maximum(braking, traction)
         last = exact_to(own.last_speed, UM_S)
-        forwards, backwards = last - own.slower - either >= 0, last + own.faster + either <= 0
+        forwards, backwards = last - own.slower_by - either >= 0, last + own.faster_by + either <= 0
         slower = ite(forwards, braking, ite(backwards, traction, either))
         faster = ite(forwards, traction, ite(backwards, braking, either))
         most = own.config.change_limit_um_s
-        return minimum(own.slower + slower, most), minimum(own.faster + faster, most)
+        return minimum(own.slower_by + slower, most), minimum(own.faster_by + faster, most)
 
     @cached_property
     def speed_changed(self) -> Bool:
@@ -193,16 +200,16 @@ class Judgement:
         own = self.own
         slower, faster = self.abilities
         slack = 2 * own.config.speed_tolerance_mm_s * UM_PER_MM
-        change = exact_to(own.seen_speed.value, UM_S) - exact_to(own.last_speed, UM_S)
-        seen = own.associated & own.seen_speed.present & own.speed_known
+        change = exact_to(own.fibre_speed.value, UM_S) - exact_to(own.last_speed, UM_S)
+        seen = own.associated & own.fibre_speed.present & own.speed_known
         return seen & ~between(-slower - slack, change, faster + slack)
 
     @cached_property
     def length_changed(self) -> Bool:
         """The length differs from the last reading."""
         own = self.own
-        seen = own.associated & own.seen_length.present & own.length_known
-        return seen & (abs_(own.seen_length.value - own.last_length) > own.config.length_change_mm)
+        seen = own.associated & own.fibre_length.present & own.length_known
+        return seen & (abs_(own.fibre_length.value - own.last_length) > own.config.length_change_mm)
 
     @cached_property
     def reach(self) -> Num:
@@ -213,15 +220,15 @@ class Judgement:
         slower, faster = self.abilities
         bound = minimum(maximum(last + faster, slower - last) + slack, fastest)
         speed = ite(own.speed_known, bound, fastest)
-        return minimum(own.reach + ceil_to(speed * Lit(own.config.period_ms, MS), MM), own.reach.high)
+        return minimum(own.reach_since + ceil_to(speed * Lit(own.config.period_ms, MS), MM), own.reach_since.high)
 
     @cached_property
     def jumped(self) -> Bool:
         """The front is farther from its last place than the train can have run, even with both intervals taken into account."""
         own = self.own
-        run, reach = own.place.value - own.last_place, self.reach + own.config.jump_mm
-        above = run > reach + own.front_above + own.place_below
-        below = -run > reach + own.front_below + own.place_above
+        run, reach = own.fibre_position.value - own.last_place, self.reach + own.config.jump_mm
+        above = run > reach + own.front_margin_above + own.fibre_margin_below
+        below = -run > reach + own.front_margin_below + own.fibre_margin_above
         return self.placed & own.place_known & (above | below)
 
     @cached_property
@@ -240,11 +247,11 @@ class Judgement:
     def flaws(self) -> list[tuple[Bool, Lit]]:
         """Every mismatch with its reason; the first that holds is reported."""
         own = self.own
-        seen_count = own.associated & own.seen_count.present
-        seen_length = own.associated & own.seen_length.present
-        given = own.due & own.source.ne(v.NOBODY)
+        seen_count = own.associated & own.fibre_axles.present
+        seen_length = own.associated & own.fibre_length.present
+        given = own.due & own.reference_from.ne(v.NOBODY)
         always_on = [
-            (own.due & own.source.eq(v.NOBODY), v.REFERENCE_LOST),
+            (own.due & own.reference_from.eq(v.NOBODY), v.REFERENCE_LOST),
             (given & ~self.usable, v.REFERENCE_REFUSED),
             (given & self.contradicts, v.REFERENCE_CONTRADICTS),
             (own.fibre_error, v.FIBRE_ERROR),
@@ -270,7 +277,7 @@ class Judgement:
     @cached_property
     def flaw(self) -> Num:
         """The reason of the mismatch; a latched reason stays."""
-        return ite(self.refused, self.own.reason, first_of(*self.flaws, default=v.NOT_VERIFIED))
+        return ite(self.refused, self.own.why, first_of(*self.flaws, default=v.NOT_VERIFIED))
 
     @cached_property
     def lacks(self) -> list[tuple[Bool, Lit]]:
@@ -297,7 +304,7 @@ class Judgement:
     def age(self) -> Num:
         """Cycles since the last verification, after this one."""
         own = self.own
-        return ite(self.verified, as_num(0, COUNT), minimum(own.age + 1, own.age.high))
+        return ite(self.verified, as_num(0, COUNT), minimum(own.verified_ago + 1, own.verified_ago.high))
 
     @cached_property
     def current(self) -> Bool:

@@ -10,12 +10,14 @@ from safeloc.models.verification.variables import Parts
 
 def lemmas(own: Parts, trusted: Bool) -> dict[str, Bool]:
     """Return the lemmas for a fibre whose readings are true within their bounds: a trusted position is true and recently verified."""
-    interval = between(exact_to(own.front - own.front_below, NM), own.truth, exact_to(own.front + own.front_above, NM))
+    interval = between(
+        exact_to(own.front - own.front_margin_below, NM), own.truth, exact_to(own.front + own.front_margin_above, NM)
+    )
     return {
         "a trusted position holds the truth": trusted.implies(interval),
         **_trust(own, trusted),
-        "a count verified now is the train's": (trusted & own.by_count & own.age.eq(0)).implies(
-            own.axles.eq(own.kept_count)
+        "a count verified now is the train's": (trusted & own.by_count & own.verified_ago.eq(0)).implies(
+            own.axles.eq(own.stored_axles)
         ),
     }
 
@@ -25,17 +27,17 @@ def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool
     own, limit = train.own, train.own.config.place_doubt_limit_mm
     width = own.possible_high - own.possible_low
     serves, tolerance = known & (width <= limit), own.config.place_tolerance_mm
-    met = (own.front - own.front_below - own.possible_high <= tolerance) & (
-        own.possible_low - own.front - own.front_above <= tolerance
+    met = (own.front - own.front_margin_below - own.possible_high <= tolerance) & (
+        own.possible_low - own.front - own.front_margin_above <= tolerance
     )
     return {
         **_trust(own, trusted),
-        "the stored count is the train's": known.implies(own.axles.eq(own.kept_count)),
+        "the stored count is the train's": known.implies(own.axles.eq(own.stored_axles)),
         "the stored length is the train's": known.implies(
-            between(exact_to(own.kept_low, UM), own.length, exact_to(own.kept_high, UM))
+            between(exact_to(own.stored_length_low, UM), own.length, exact_to(own.stored_length_high, UM))
         ),
         "the spread of the length is the record's": known.implies(
-            train.spread.eq(exact_to(own.kept_high - own.kept_low, UM))
+            train.spread.eq(exact_to(own.stored_length_high - own.stored_length_low, UM))
         ),
         "the front is where it can be": serves.implies(
             between(exact_to(own.possible_low, NM), own.truth, exact_to(own.possible_high, NM))
@@ -46,15 +48,17 @@ def without_belief(train: Doubted, known: Bool, trusted: Bool) -> dict[str, Bool
         ),
         "trusted is no farther than the record allows": trusted.implies(met & (width <= limit)),
         "a trusted position is the last place": trusted.implies(
-            own.place_known & own.reach.eq(0) & own.last_place.eq(own.front)
+            own.place_known & own.reach_since.eq(0) & own.last_place.eq(own.front)
         ),
-        "a verification is no younger than the fibre's right data": known.implies(train.untold_for <= own.age),
+        "a verification is no younger than the fibre's right data": known.implies(
+            train.since_confirmed <= own.verified_ago
+        ),
     }
 
 
 def _trust(own: Parts, trusted: Bool) -> dict[str, Bool]:
     """Return the lemmas of either world: trust rests on a recent verification."""
     return {
-        "trusted is verified lately": trusted.implies(own.age <= own.config.currency_cycles),
+        "trusted is verified lately": trusted.implies(own.verified_ago <= own.config.currency_cycles),
         "trusted rests on count or length": trusted.implies(own.by_count | own.by_length),
     }

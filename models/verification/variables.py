@@ -98,12 +98,12 @@ class Parts:
     """The variables of the machine.
 
     due              a reference has to come in this cycle: the train enters, passes a counter, or is handed over
-    source           its sender; NOBODY: it did not come
+    reference_from           its sender; NOBODY: it did not come
     sound            the record is undisturbed (counter), or the neighbour trusted the train (handover)
     record_...       the record: axles, bounds of length and speed, bounds of the front's place, its age
     associated       a pattern belongs to this train, by order on the track
     seen_...         the fibre's readings of this cycle
-    place, located   the fibre's interval of the front; the front is located
+    fibre_position, located   the fibre's interval of the front; the front is located
     ends_low, ends_high  bounds of the distance between both ends, where both are located
     fibre_error      an error signal F of the fibre machines
     control_...      data from the train control system
@@ -111,8 +111,8 @@ class Parts:
     leaves           the train has left the area
     kept_...         the stored reference
     possible_...     bounds of the front by the reference and the top speed alone, without the fibre
-    last_...         last reading of length, speed, place; `slower`, `faster` bound the speed's change since
-    given            a position was reported since the last accepted reference
+    last_...         last reading of length, speed, place; `slower_by`, `faster_by` bound the speed's change since
+    given_out            a position was reported since the last accepted reference
     by_...           the comparisons on which the present trust rests
     axles            ghost: axles of the train that really makes the pattern, at the moment to which the count refers
     length, truth    ghosts: length and front of that train now (um, nm)
@@ -134,11 +134,11 @@ class Parts:
         axles, long = config.axle_limit, config.length_limit_mm
         limit, fast = config.position_limit_mm, config.max_speed_mm_s
         self.due = declared.sensor(boolean("reference_due"))
-        self.source = declared.sensor(choice("reference_from", enumeration(FROM)))
+        self.reference_from = declared.sensor(choice("reference_from", enumeration(FROM)))
         self.sound = declared.sensor(boolean("record_sound"))
-        self.record_count = declared.sensor(number("record_axles", COUNT, 0, axles))
-        self.record_low = declared.sensor(number("record_length_low_mm", MM, 0, long))
-        self.record_high = declared.sensor(number("record_length_high_mm", MM, 0, long))
+        self.record_axles = declared.sensor(number("record_axles", COUNT, 0, axles))
+        self.record_length_low = declared.sensor(number("record_length_low_mm", MM, 0, long))
+        self.record_length_high = declared.sensor(number("record_length_high_mm", MM, 0, long))
         self.record_speed_low = declared.sensor(number("record_speed_low_mm_s", MM_S, -fast, fast))
         self.record_speed_high = declared.sensor(number("record_speed_high_mm_s", MM_S, -fast, fast))
         self.record_place_low = declared.sensor(number("record_place_low_mm", MM, -limit, limit))
@@ -149,12 +149,12 @@ class Parts:
     def _read_fibre(self, declared: Declared, config: VerificationConfig) -> None:
         """Declare the fibre's readings of this cycle."""
         limit, fast, far = config.position_limit_mm, config.max_speed_mm_s, config.span_mm
-        self.seen_count = declared.sensor(optional("fibre_axles", COUNT, 0, config.axle_limit))
-        self.seen_length = declared.sensor(optional("fibre_length_mm", MM, 0, config.length_limit_mm))
-        self.seen_speed = declared.sensor(optional("fibre_speed_mm_s", MM_S, -fast, fast))
-        self.place = declared.sensor(optional("fibre_position_mm", MM, -limit, limit))
-        self.place_above = declared.sensor(number("fibre_margin_above_mm", MM, 0, config.margin_limit_mm))
-        self.place_below = declared.sensor(number("fibre_margin_below_mm", MM, 0, config.margin_limit_mm))
+        self.fibre_axles = declared.sensor(optional("fibre_axles", COUNT, 0, config.axle_limit))
+        self.fibre_length = declared.sensor(optional("fibre_length_mm", MM, 0, config.length_limit_mm))
+        self.fibre_speed = declared.sensor(optional("fibre_speed_mm_s", MM_S, -fast, fast))
+        self.fibre_position = declared.sensor(optional("fibre_position_mm", MM, -limit, limit))
+        self.fibre_margin_above = declared.sensor(number("fibre_margin_above_mm", MM, 0, config.margin_limit_mm))
+        self.fibre_margin_below = declared.sensor(number("fibre_margin_below_mm", MM, 0, config.margin_limit_mm))
         self.located = declared.sensor(boolean("fibre_located"))
         self.ends_low = declared.sensor(optional("fibre_ends_low_mm", MM, -far, far))
         self.ends_high = declared.sensor(optional("fibre_ends_high_mm", MM, -far, far))
@@ -162,7 +162,7 @@ class Parts:
 
     def _read_others(self, declared: Declared, config: VerificationConfig) -> None:
         """Declare what the train control system and the test emitter report, and the train's leaving."""
-        self.control_count = declared.sensor(optional("control_axles", COUNT, 0, config.axle_limit))
+        self.control_axles = declared.sensor(optional("control_axles", COUNT, 0, config.axle_limit))
         self.control_length = declared.sensor(optional("control_length_mm", MM, 0, config.length_limit_mm))
         self.control_brake = declared.sensor(optional("control_brake_mm_s2", MM_S2, 0, 5_000))
         self.chain_tested = declared.sensor(boolean("chain_tested"))
@@ -172,9 +172,9 @@ class Parts:
     def _keep_reference(self, declared: Declared, config: VerificationConfig) -> None:
         """Declare the stored reference, and what follows from it alone."""
         limit, long, possible = config.position_limit_mm, config.length_limit_mm, config.possible_mm
-        self.kept_count = declared.state(number("kept_axles", COUNT, 0, config.axle_limit), first=0)
-        self.kept_low = declared.state(number("kept_length_low_mm", MM, 0, long), first=0)
-        self.kept_high = declared.state(number("kept_length_high_mm", MM, 0, long), first=0)
+        self.stored_axles = declared.state(number("stored_axles", COUNT, 0, config.axle_limit), first=0)
+        self.stored_length_low = declared.state(number("stored_length_low_mm", MM, 0, long), first=0)
+        self.stored_length_high = declared.state(number("stored_length_high_mm", MM, 0, long), first=0)
         self.possible_low = declared.state(number("possible_low_mm", MM, -possible, limit), first=0)
         self.possible_high = declared.state(number("possible_high_mm", MM, -limit, possible), first=0)
 
@@ -183,28 +183,28 @@ class Parts:
         limit, fast, margin = config.position_limit_mm, config.max_speed_mm_s, config.margin_limit_mm
         self.last_length = declared.state(number("last_length_mm", MM, 0, config.length_limit_mm), first=0)
         self.last_speed = declared.state(number("last_speed_mm_s", MM_S, -fast, fast), first=0)
-        self.slower = declared.state(number("slower_by_um_s", UM_S, 0, config.change_limit_um_s), first=0)
-        self.faster = declared.state(number("faster_by_um_s", UM_S, 0, config.change_limit_um_s), first=0)
+        self.slower_by = declared.state(number("slower_by_um_s", UM_S, 0, config.change_limit_um_s), first=0)
+        self.faster_by = declared.state(number("faster_by_um_s", UM_S, 0, config.change_limit_um_s), first=0)
         self.last_place = declared.state(number("last_place_mm", MM, -limit, limit), first=0)
-        self.reach = declared.state(number("reach_since_mm", MM, 0, config.span_mm), first=0)
+        self.reach_since = declared.state(number("reach_since_mm", MM, 0, config.span_mm), first=0)
         self.front = declared.state(number("front_mm", MM, -limit, limit), first=0)
-        self.front_above = declared.state(number("front_margin_above_mm", MM, 0, margin), first=0)
-        self.front_below = declared.state(number("front_margin_below_mm", MM, 0, margin), first=0)
-        self.age = declared.state(number("verified_ago_cycles", COUNT, 0, config.currency_cycles + 1), first=0)
+        self.front_margin_above = declared.state(number("front_margin_above_mm", MM, 0, margin), first=0)
+        self.front_margin_below = declared.state(number("front_margin_below_mm", MM, 0, margin), first=0)
+        self.verified_ago = declared.state(number("verified_ago_cycles", COUNT, 0, config.currency_cycles + 1), first=0)
 
     def _keep_trust(self, declared: Declared) -> None:
         """Declare the flags and the reason."""
         self.by_count = declared.state(boolean("by_count"), first=False)
         self.by_length = declared.state(boolean("by_length"), first=False)
-        self.by_speed = declared.state(boolean("by_speed_at_entry"), first=False)
-        self.by_place = declared.state(boolean("by_place_at_entry"), first=False)
-        self.by_control = declared.state(boolean("by_control_data"), first=False)
+        self.by_speed_at_entry = declared.state(boolean("by_speed_at_entry"), first=False)
+        self.by_place_at_entry = declared.state(boolean("by_place_at_entry"), first=False)
+        self.by_control_data = declared.state(boolean("by_control_data"), first=False)
         self.by_emitter = declared.state(boolean("by_emitter"), first=False)
         self.length_known = declared.state(boolean("last_length_known"), first=False)
         self.speed_known = declared.state(boolean("last_speed_known"), first=False)
         self.place_known = declared.state(boolean("last_place_known"), first=False)
-        self.given = declared.state(boolean("given_out"), first=False)
-        self.reason = declared.state(choice("why", enumeration(REASON)), first=NO_RECORD)
+        self.given_out = declared.state(boolean("given_out"), first=False)
+        self.why = declared.state(choice("why", enumeration(REASON)), first=NO_RECORD)
 
     def _imagine(self, declared: Declared, config: VerificationConfig, truth: NumVar | None) -> None:
         """Declare the ghosts: the train's true axles, length and front, and the world's choices of their next values."""
@@ -221,14 +221,27 @@ class Parts:
     @property
     def flags(self) -> tuple[BoolVar, ...]:
         """The comparisons on which trust rests."""
-        return self.by_count, self.by_length, self.by_speed, self.by_place, self.by_control, self.by_emitter
+        return (
+            self.by_count,
+            self.by_length,
+            self.by_speed_at_entry,
+            self.by_place_at_entry,
+            self.by_control_data,
+            self.by_emitter,
+        )
 
     @property
     def numbers(self) -> tuple[NumVar, ...]:
         """The stored numbers, apart from age and reason."""
-        course = (self.last_length, self.last_speed, self.slower, self.faster, self.last_place, self.reach)
-        kept = (self.kept_count, self.kept_low, self.kept_high, self.possible_low, self.possible_high)
-        return (*kept, *course, self.front, self.front_above, self.front_below)
+        course = (self.last_length, self.last_speed, self.slower_by, self.faster_by, self.last_place, self.reach_since)
+        kept = (
+            self.stored_axles,
+            self.stored_length_low,
+            self.stored_length_high,
+            self.possible_low,
+            self.possible_high,
+        )
+        return (*kept, *course, self.front, self.front_margin_above, self.front_margin_below)
 
     @property
     def known(self) -> tuple[BoolVar, ...]:

@@ -26,9 +26,9 @@ def world(own: Parts, *, place_kept: bool) -> World:
 
 def place_law(own: Parts) -> Bool:
     """Return the condition that a located interval contains the front."""
-    low, high = own.place.value - own.place_below, own.place.value + own.place_above
+    low, high = own.fibre_position.value - own.fibre_margin_below, own.fibre_position.value + own.fibre_margin_above
     inside = between(exact_to(low, NM), own.next_truth, exact_to(high, NM))
-    return (own.located & own.place.present).implies(inside)
+    return (own.located & own.fibre_position.present).implies(inside)
 
 
 def _place(own: Parts) -> dict[str, Bool | Law]:
@@ -46,11 +46,11 @@ def _place(own: Parts) -> dict[str, Bool | Law]:
 def _features(own: Parts) -> dict[str, Bool | Law]:
     """Return the laws of count and length: they are those of the train that makes the pattern."""
     tolerance = own.config.length_tolerance_mm * 1_000
-    off = exact_to(own.seen_length.value, UM) - own.next_length
-    counted, measured = own.associated & own.seen_count.present, own.associated & own.seen_length.present
+    off = exact_to(own.fibre_length.value, UM) - own.next_length
+    counted, measured = own.associated & own.fibre_axles.present, own.associated & own.fibre_length.present
     return {
         "the fibre's count is the train's": Law(
-            counted.implies(own.seen_count.value.eq(own.next_axles)),
+            counted.implies(own.fibre_axles.value.eq(own.next_axles)),
             "Where the fibre reports a number of axles with a pattern, the train that makes the pattern had as "
             "many at the moment to which the count refers. Machines that use the count have to allow for the "
             "time since that moment.",

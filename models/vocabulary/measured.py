@@ -32,8 +32,8 @@ class Limits:
     period_ms: int
     tolerance_mm: int
     max_speed_mm_s: int
-    max_step_mm: int
-    max_step_change_mm: int
+    max_cycle_distance_mm: int
+    max_cycle_distance_change_mm: int
     gap_limit: int
     lone_limit: int
     age_limit_ms: int
@@ -51,12 +51,12 @@ class Limits:
         return self.max_speed_mm_s * self.period_ms * 1_000
 
 
-def max_step_mm(max_speed_mm_s: int, period_ms: int, measuring_step_mm: int) -> int:
+def max_cycle_distance_mm(max_speed_mm_s: int, period_ms: int, measuring_step_mm: int) -> int:
     """Return the greatest distance that is measured in a cycle at the highest speed, mm, rounded up."""
     return -(-max_speed_mm_s * period_ms // 1_000) + measuring_step_mm
 
 
-def max_step_change_mm(max_acceleration_mm_s2: int, period_ms: int, measuring_step_mm: int) -> int:
+def max_cycle_distance_change_mm(max_acceleration_mm_s2: int, period_ms: int, measuring_step_mm: int) -> int:
     """Return the most by which the distances of successive cycles differ, mm, rounded up."""
     return -(-max_acceleration_mm_s2 * period_ms**2 // 1_000_000) + 2 * measuring_step_mm
 
@@ -70,7 +70,7 @@ class CycleLimits(Protocol):
         ...
 
     @property
-    def max_step_mm(self) -> int:
+    def max_cycle_distance_mm(self) -> int:
         """The greatest distance that is measured in a cycle at the highest speed, mm."""
         ...
 
@@ -111,7 +111,7 @@ class MeasuredDistance:
     @cached_property
     def admitted(self) -> Bool:
         """This cycle's distance is used."""
-        return self.measured.present & (abs_(self.measured.value) <= self.limits.max_step_mm)
+        return self.measured.present & (abs_(self.measured.value) <= self.limits.max_cycle_distance_mm)
 
     @cached_property
     def failed(self) -> Bool:

@@ -55,7 +55,7 @@ class Odometer(MeasuredDistance):
     @cached_property
     def verdict(self) -> Num:
         """Verdict on this cycle's distance: ADMITTED, or why it is not used."""
-        too_fast = abs_(self.measured.value) > self.limits.max_step_mm
+        too_fast = abs_(self.measured.value) > self.limits.max_cycle_distance_mm
         return ite(~self.measured.present, MISSING, ite(too_fast, TOO_FAST, ite(self._jump, JUMP, ADMITTED)))
 
     @cached_property
@@ -64,7 +64,7 @@ class Odometer(MeasuredDistance):
         if self.more is not None:
             return FALSE
         known = self.gap <= self.limits.gap_limit
-        allowed = with_unit((self.gap + 1) * self.limits.max_step_change_mm, MM)
+        allowed = with_unit((self.gap + 1) * self.limits.max_cycle_distance_change_mm, MM)
         return known & (abs_(self.measured.value - self.last) > allowed)
 
     @cached_property
@@ -93,21 +93,21 @@ class Odometer(MeasuredDistance):
 
 def odometer(law: ErrorLaw, limits: Limits, name: str = "odometer", *, checked: bool = False) -> Odometer:
     """Return an odometer with fresh variables named `odometer_...`; `checked`: a second unit has checked its distances."""
-    reach = 2 * limits.max_step_mm + 1_000
+    reach = 2 * limits.max_cycle_distance_mm + 1_000
     return Odometer(
         law,
         optional(f"{name}_mm", MM, -reach, reach),
         number(f"{name}_gap_cycles", COUNT, 0, limits.gap_limit + 1),
         limits,
-        last=number(f"{name}_last_mm", MM, -limits.max_step_mm, limits.max_step_mm),
-        last_verdict=choice(f"{name}_judged", enumeration(MEASURED)),
-        more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_step_mm)) if checked else None,
+        last=number(f"{name}_last_mm", MM, -limits.max_cycle_distance_mm, limits.max_cycle_distance_mm),
+        last_verdict=choice(f"{name}_last_verdict", enumeration(MEASURED)),
+        more=number(f"{name}_more_nm", NM, 0, most_further_error_nm(limits.max_cycle_distance_mm)) if checked else None,
     )
 
 
-def most_further_error_nm(max_step_mm: int) -> int:
+def most_further_error_nm(max_cycle_distance_mm: int) -> int:
     """Return the greatest error beyond the law that is reported with a distance, nm: four times the farthest distance."""
-    return 4 * max_step_mm * NM_PER_MM
+    return 4 * max_cycle_distance_mm * NM_PER_MM
 
 
 @dataclass(frozen=True, eq=False)

@@ -156,11 +156,11 @@ def _added_error(model: Balise) -> Iterator[Property]:
         statement="the location accuracy of an accepted group is that of linking, else the national one, else the default",
     )
     national = own.national
-    as_received = national.known & national.kept.eq(national.received.value)
-    as_before = national.kept.eq(earlier_num(national.kept)) & (national.known | ~earlier_bool(national.known))
+    as_received = national.known & national.stored.eq(national.national_accuracy.value)
+    as_before = national.stored.eq(earlier_num(national.stored)) & (national.known | ~earlier_bool(national.known))
     yield for_all_inputs(
         "a national value stays",
-        ite(national.received.present, as_received, as_before),
+        ite(national.national_accuracy.present, as_received, as_before),
         statement="a national location accuracy is in force from its reception on, until another one is received",
     )
 
@@ -238,7 +238,7 @@ def _reflector_ahead(model: Balise) -> Iterator[Property]:
     reach = own.read.reflector.value
     yield for_all_inputs(
         "only an accepted telegram gives a reflector",
-        (as_received | new).implies(step.counts & own.reflector.place.eq(own.memory.place + reach)),
+        (as_received | new).implies(step.counts & own.reflector.place.eq(own.memory.last_group_position + reach)),
         statement="the machine takes the distance to the next reflector only from an accepted telegram, and "
         "measures it from that group's place",
         requirements=("RFL-9",),
@@ -246,8 +246,10 @@ def _reflector_ahead(model: Balise) -> Iterator[Property]:
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):
         yield _distance_of(model, name, distance)
     memory = own.memory
-    read = memory.group.eq(own.read.group.value) & memory.place.eq(step.place_as_announced)
-    before_it = memory.group.eq(earlier_num(memory.group)) & memory.place.eq(earlier_num(memory.place))
+    read = memory.group.eq(own.read.group.value) & memory.last_group_position.eq(step.place_as_announced)
+    before_it = memory.group.eq(earlier_num(memory.group)) & memory.last_group_position.eq(
+        earlier_num(memory.last_group_position)
+    )
     yield for_all_inputs(
         "a group is kept where linking or its telegram has it",
         memory.group.ne(0).implies(ite(step.counts, read, before_it)),
@@ -304,7 +306,7 @@ def _of_unlinked(step: Step, as_odometry: Bool) -> Property:
     own, memory = step.model.own, step.model.own.memory
     announced = any_of(earlier_num(slot.group).ne(0) & step.read_of(slot) for slot in own.linking.slots)
     unlinked = own.read.link.present & own.read.link.value.eq(UNLINKED) & ~announced
-    reference = (memory.group, memory.place, memory.accuracy, memory.direction, memory.refused)
+    reference = (memory.group, memory.last_group_position, memory.accuracy, memory.direction, memory.refused_in_row)
     same = all_of(one.eq(earlier_num(one)) for one in reference)
     refused = memory.verdict.ne(v.ACCEPTED) if own.config.free_references else unlinked
     return for_all_inputs(
@@ -352,7 +354,7 @@ def _sensors(model: Balise) -> Iterator[Property]:
         helper=lambda waited: waited <= odometer.gap,
     )
     limits = own.config.limits
-    possible = between(-limits.max_step_mm, odometer.measured.value, limits.max_step_mm)
+    possible = between(-limits.max_cycle_distance_mm, odometer.measured.value, limits.max_cycle_distance_mm)
     gate = possible if own.config.checked_distance else possible & _may_have_changed(model)
     yield for_all_inputs(
         "odometer gate",

@@ -61,13 +61,13 @@ def _windows(model: Balise) -> Iterator[Property]:
     held, seen, passed, kept = step.expecting, step.announced, step.passed, step.kept
     yield for_all_inputs(
         "window closes when the min safe front end has passed",
-        (kept & held & ~seen & passed).implies(own.memory.ended.eq(1) & _given_up(model)),
+        (kept & held & ~seen & passed).implies(own.memory.given_up_now.eq(1) & _given_up(model)),
         statement="the machine gives up a group that was not read in the very step in which the min safe front end "
         "passes the last place where it can be read, and orders its linking reaction",
     )
     yield for_all_inputs(
         "no window closes early",
-        (kept & (own.memory.ended > 0)).implies(seen | (held & passed)),
+        (kept & (own.memory.given_up_now > 0)).implies(seen | (held & passed)),
         statement="the machine gives up an announced group only when it, or a later one, was read, or when its "
         "window has closed",
     )
@@ -83,9 +83,9 @@ def _windows(model: Balise) -> Iterator[Property]:
 def _given_up(model: Balise) -> Bool:
     slot = model.own.linking.slots[0]
     strong = earlier_num(slot.reaction)
-    acted = model.own.memory.reaction
+    acted = model.own.memory.linking_reaction_now
     enough = ite(strong.eq(TRAIN_TRIP), acted.eq(TRAIN_TRIP), strong.eq(NO_REACTION) | acted.ne(NO_REACTION))
-    return model.own.memory.given_up.eq(earlier_num(slot.group)) & enough
+    return model.own.memory.given_up_group.eq(earlier_num(slot.group)) & enough
 
 
 def _relinked(model: Balise) -> Bool:
@@ -99,28 +99,28 @@ def _relinked(model: Balise) -> Bool:
 def _reactions(model: Balise) -> Iterator[Property]:
     machine, memory, step = model.machine, model.own.memory, Step(model)
     located = earlier_bool(machine.flag("valid"))
-    braking = memory.reaction.one_of(SERVICE_BRAKE, TRAIN_TRIP)
+    braking = memory.linking_reaction_now.one_of(SERVICE_BRAKE, TRAIN_TRIP)
     misses = all_of([located, step.expecting, ~step.announced, step.passed])
     yield for_all_inputs(
         "two missed brake",
-        (misses & (earlier_num(memory.missed) >= 1)).implies(braking),
+        (misses & (earlier_num(memory.missed_in_row) >= 1)).implies(braking),
         statement="when the second announced group in a row is missed, at least the service brake is ordered in the same "
         "step, whatever its linking reaction",
     )
     yield for_all_inputs(
         "missed groups are counted",
-        step.kept.implies(memory.missed.eq(_count(step))),
+        step.kept.implies(memory.missed_in_row.eq(_count(step))),
         statement="the machine counts the groups given up in a row until it accepts one",
     )
     wrong = memory.verdict.eq(v.WRONG_DIRECTION) & located & step.announced
     yield for_all_inputs(
         "wrong direction trips",
-        wrong.implies(memory.reaction.eq(TRAIN_TRIP)),
+        wrong.implies(memory.linking_reaction_now.eq(TRAIN_TRIP)),
         statement="an announced group passed in the other orientation trips the train in the same step (3.16.2.3.2)",
     )
     yield for_all_inputs(
         "no reaction without a linking error",
-        memory.reaction.ne(NO_REACTION).implies((memory.ended > 0) & located),
+        memory.linking_reaction_now.ne(NO_REACTION).implies((memory.given_up_now > 0) & located),
         statement="a group that linking did not announce, or a damaged telegram, is rejected without a reaction "
         "(3.16.2.4.3); only a group given up causes one",
     )
@@ -153,4 +153,4 @@ def _events(step: Step) -> dict[str, Bool]:
 def _count(step: Step) -> Num:
     memory = step.model.own.memory
     reset = memory.verdict.eq(v.ACCEPTED) & step.announced
-    return ite(reset, 0, minimum(earlier_num(memory.missed) + memory.ended, 2))
+    return ite(reset, 0, minimum(earlier_num(memory.missed_in_row) + memory.given_up_now, 2))

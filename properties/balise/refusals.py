@@ -80,7 +80,7 @@ def _ending(model: Balise) -> Iterator[Property]:
 def _rightly(model: Balise) -> Iterator[Property]:
     own, step = model.own, Step(model)
     as_announced = all_of(_where_announced(model, slot) for slot in own.linking.slots)
-    ran = between(as_num(0, NM), own.world.true_since, own.world.true_step)
+    ran = between(as_num(0, NM), own.world.true_since, own.world.true_cycle_distance)
     read = all_of([earlier_bool(model.machine.flag("valid")), step.announced, step.complete, ran])
     yield always(
         "a group at its place is neither out of its window nor a contradiction",
@@ -95,5 +95,5 @@ def _rightly(model: Balise) -> Iterator[Property]:
 def _where_announced(model: Balise, slot: Record) -> Bool:
     """If the group that was read is the one in a slot, it lies within its location accuracy of its place."""
     step = Step(model)
-    off, most = model.own.world.spot - exact_to(earlier_num(slot.place), NM), exact_to(step.accuracy_of(slot), NM)
+    off, most = model.own.world.read_place - exact_to(earlier_num(slot.place), NM), exact_to(step.accuracy_of(slot), NM)
     return step.read_of(slot).implies(between(-most, off, most))

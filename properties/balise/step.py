@@ -126,7 +126,7 @@ class Step:
     def accuracy_in_force(self) -> Num:
         """The location accuracy where linking gives none, mm."""
         national = self.model.own.national
-        return ite(national.known, national.kept, as_num(self.model.own.config.default_accuracy_mm, MM))
+        return ite(national.known, national.stored, as_num(self.model.own.config.default_accuracy_mm, MM))
 
     def accuracy_of(self, slot: Record) -> Num:
         """Return the location accuracy of the group that was in a slot, mm."""
@@ -200,7 +200,7 @@ class Step:
         """The front end, as the telegram puts it at the least, is beyond where it was at the last group, by more than over."""
         own, read, config = self.model.own, self.model.own.read, self.model.own.config
         since = ite(~read.since.present, as_num(0, MM), read.since.value)
-        way = self.place_as_announced - earlier_num(own.memory.place) + since
+        way = self.place_as_announced - earlier_num(own.memory.last_group_position) + since
         told = exact_to(way - self.accuracy_by_precedence - config.detection_mm - config.odometer.constant_mm, NM)
         far = maximum(since, -since) * config.odometer.rate_ppm
         unmeasured = self._run_back(read.age.value)

@@ -27,5 +27,5 @@ def _reached(model: Fibre) -> Iterator[Property]:
     yield reachable("located", valid & own.counted, statement="a train can be located by counting", requirements=COUNTS)
     yield reachable("error", machine.flag("error"), statement="F can come", requirements=CHECKED)
     yield reachable(
-        "section passed", own.signal.eq(v.PASSED) & valid, statement="a section can be passed", requirements=SEEN
+        "section passed", own.event.eq(v.PASSED) & valid, statement="a section can be passed", requirements=SEEN
     )

@@ -32,9 +32,9 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
     mode, was_located = machine.mode, before(machine.mode).eq(located)
-    off = before(own.ghosts.count) - before(own.count)
+    off = before(own.ghosts.count) - before(own.sections_counted)
     near = was(own.ghosts.real) & (abs_(off) <= own.config.reach)
-    passed = was_located & mode.eq(located) & own.signal.eq(v.PASSED) & ~own.reference
+    passed = was_located & mode.eq(located) & own.event.eq(v.PASSED) & ~own.reference_accepted
     yield under_assumption(
         "count agrees with the truth",
         (passed & near).implies(off.eq(0)),
@@ -44,7 +44,7 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
     read = seen.returns & (seen.long | seen.short)
     yield under_assumption(
         "disagreement raises F",
-        (was_located & near & read & off.ne(0)).implies(mode.ne(located) | own.reference),
+        (was_located & near & read & off.ne(0)).implies(mode.ne(located) | own.reference_accepted),
         statement="a real section that is passed while the count is wrong ends the location in that cycle",
     )
 
@@ -55,11 +55,11 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     _, counting, located, _ = machine.modes
     mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
     long = abs_(ran) >= own.config.long_mm * NM_PER_MM
-    real = was(own.ghosts.real) & ~own.reference
+    real = was(own.ghosts.real) & ~own.reference_accepted
     counts = before(mode).eq(counting) & mode.eq(counting) & (own.read > 0)
     stays = before(mode).eq(located) & mode.eq(located)
-    read_long = own.word.eq(floor_div(own.word, 2) * 2 + 1)
-    passed = own.signal.eq(v.PASSED) & real
+    read_long = own.word_read.eq(floor_div(own.word_read, 2) * 2 + 1)
+    passed = own.event.eq(v.PASSED) & real
     yield under_assumption(
         "a length that is read is the true one",
         (counts & passed).implies(read_long.iff(long)),
@@ -68,7 +68,7 @@ def _lengths(model: Fibre) -> Iterator[Property]:
     )
     yield under_assumption(
         "a section passed has the length of the map",
-        (stays & passed).implies(was(own.long).iff(long)),
+        (stays & passed).implies(was(own.long_by_map).iff(long)),
         statement="if the end stays located past a section, that section is as long as the map has it",
         requirements=CODE,
     )
@@ -81,7 +81,7 @@ def _turned_back(model: Fibre) -> Iterator[Property]:
     stays = before(mode).eq(located) & mode.eq(located)
     yield under_assumption(
         "a section left again was not passed",
-        (stays & own.signal.eq(v.TURNED_BACK) & ~own.reference).implies(ran.eq(0)),
+        (stays & own.event.eq(v.TURNED_BACK) & ~own.reference_accepted).implies(ran.eq(0)),
         statement="a section counted as left on the side of entry was left there",
         requirements=COUNTS,
     )
@@ -93,10 +93,12 @@ def _words(model: Fibre) -> Iterator[Property]:
     _, counting, located, _ = machine.modes
     mode, was_counting = machine.mode, before(machine.mode).eq(counting)
     window = own.config.window
-    taken = own.base.eq(own.answer_place) & own.count.eq(own.answer_count)
+    taken = own.edge.eq(own.word_position) & own.sections_counted.eq(own.word_count)
     yield for_all_inputs(
         "a code word is complete",
-        (was_counting & mode.eq(located) & ~own.reference).implies(own.answer & before(own.read).eq(window) & taken),
+        (was_counting & mode.eq(located) & ~own.reference_accepted).implies(
+            own.word_found & before(own.read).eq(window) & taken
+        ),
         statement="the code gives a place only when as many symbols were read as make a window of the line unique, and the "
         "place is the map's answer",
     )
@@ -129,14 +131,14 @@ def _unread(model: Fibre) -> Iterator[Property]:
     turned = counts & seen.changes & was(own.counted) & seen.forwards.iff(~was(own.upwards))
     yield for_all_inputs(
         "a section that is not read breaks the word",
-        (unread | turned).implies(own.word.eq(0) & own.read.eq(0)),
+        (unread | turned).implies(own.word_read.eq(0) & own.read.eq(0)),
         statement="a new word begins at a section whose length cannot be read or that was left again, and at a change of "
         "direction",
     )
     kept = counts & ~seen.returns & ~turned
     yield for_all_inputs(
         "nothing else is read",
-        kept.implies(own.word.eq(before(own.word)) & own.read.eq(before(own.read))),
+        kept.implies(own.word_read.eq(before(own.word_read)) & own.read.eq(before(own.read))),
         statement="the word changes only when a section is left, or the direction changes",
     )
 
@@ -144,12 +146,12 @@ def _unread(model: Fibre) -> Iterator[Property]:
 def _symbol(model: Fibre) -> Num:
     """Return the symbol as a number from 0 to 3: lowered or raised, short or long."""
     own, seen = model.own, Seen(model.own)
-    raised: Num = ite(before(own.band).eq(v.RAISED), own.word * 0 + 2, 0)
-    return raised + ite(seen.long, own.word * 0 + 1, 0)
+    raised: Num = ite(before(own.band).eq(v.RAISED), own.word_read * 0 + 2, 0)
+    return raised + ite(seen.long, own.word_read * 0 + 1, 0)
 
 
 def _joined(model: Fibre, symbol: Num) -> Bool:
     """Return the condition that the word is four times the last one and the symbol, less the oldest symbol of a whole word."""
     own = model.own
-    joined, words = before(own.word) * SYMBOLS + symbol, SYMBOLS**own.config.window
-    return any_of(own.word.eq(joined - words * oldest) for oldest in range(SYMBOLS))
+    joined, words = before(own.word_read) * SYMBOLS + symbol, SYMBOLS**own.config.window
+    return any_of(own.word_read.eq(joined - words * oldest) for oldest in range(SYMBOLS))

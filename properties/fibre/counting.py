@@ -30,17 +30,17 @@ def _signals(model: Fibre) -> Iterator[Property]:
     own = model.own
     yield for_all_inputs(
         "a signal is a rise or a fall",
-        own.signal.eq(v.POSITION_SIGNAL).implies(before(own.band).eq(v.NORMAL) & own.band.ne(v.NORMAL)),
+        own.event.eq(v.POSITION_SIGNAL).implies(before(own.band).eq(v.NORMAL) & own.band.ne(v.NORMAL)),
         statement="a position signal arises only where the amplitude leaves normal, upwards or downwards",
     )
     yield for_all_inputs(
         "normal again is no section",
-        (before(own.band).ne(v.NORMAL) & own.band.eq(v.NORMAL)).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        (before(own.band).ne(v.NORMAL) & own.band.eq(v.NORMAL)).implies(own.event.ne(v.POSITION_SIGNAL)),
         statement="the return to normal is not counted as a second section",
     )
     yield for_all_inputs(
         "one section at a time",
-        before(own.band).ne(v.NORMAL).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        before(own.band).ne(v.NORMAL).implies(own.event.ne(v.POSITION_SIGNAL)),
         statement="between two signals the amplitude is normal",
     )
 
@@ -52,7 +52,7 @@ def _known(model: Fibre) -> Iterator[Property]:
     mode = machine.mode
     yield for_all_inputs(
         "count begins with the first signal",
-        (machine.flag("count_known") & ~was(own.counted)).implies(own.signal.eq(v.POSITION_SIGNAL)),
+        (machine.flag("count_known") & ~was(own.counted)).implies(own.event.eq(v.POSITION_SIGNAL)),
         statement="before the first signal the count is undefined, not zero",
         requirements=COUNTS,
     )
@@ -66,7 +66,9 @@ def _known(model: Fibre) -> Iterator[Property]:
     yield for_all_inputs(
         "a known count is reported",
         machine.flag("count_known").iff(own.counted & follows)
-        & machine.output("count").eq(ite(follows & (own.counted | mode.eq(located)), own.count, as_num(0, COUNT))),
+        & machine.output("count").eq(
+            ite(follows & (own.counted | mode.eq(located)), own.sections_counted, as_num(0, COUNT))
+        ),
         statement="while sections are followed, the count is reported from the first signal on, and whenever the train is "
         "located; otherwise no count is reported",
         requirements=COUNTS,
@@ -76,18 +78,18 @@ def _known(model: Fibre) -> Iterator[Property]:
 def _counted(model: Fibre) -> Iterator[Property]:
     """Claim the effect of each position signal on the count."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    counts = followed(machine) & ~own.reference
-    change = own.count - before(own.count)
+    counts = followed(machine) & ~own.reference_accepted
+    change = own.sections_counted - before(own.sections_counted)
     back = own.run.present & (own.run.value < 0)
     yield for_all_inputs(
         "every signal counts by direction",
-        (counts & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),
+        (counts & own.event.eq(v.POSITION_SIGNAL)).implies(change.eq(seen.one)),
         statement="each signal counts one up if the train runs forwards, and one down if it runs back",
         requirements=COUNTS,
     )
     yield for_all_inputs(
         "running back decreases",
-        (counts & back & own.signal.eq(v.POSITION_SIGNAL)).implies(change.eq(-1)),
+        (counts & back & own.event.eq(v.POSITION_SIGNAL)).implies(change.eq(-1)),
         statement="a section entered while running back decreases the count",
         requirements=COUNTS,
     )
@@ -98,18 +100,18 @@ def _uncounted(model: Fibre) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, counting, located, _ = machine.modes
     mode = machine.mode
-    counts = followed(machine) & ~own.reference
-    change = own.count - before(own.count)
+    counts = followed(machine) & ~own.reference_accepted
+    change = own.sections_counted - before(own.sections_counted)
     yield for_all_inputs(
         "a section left again is uncounted",
-        (counts & own.signal.eq(v.TURNED_BACK)).implies(
+        (counts & own.event.eq(v.TURNED_BACK)).implies(
             change.eq(ite(was(own.upwards), as_num(-1, COUNT), as_num(1, COUNT)))
         ),
         statement="a section that is left on the side of entry no longer counts",
         requirements=COUNTS,
     )
     found = before(mode).eq(counting) & mode.eq(located)
-    quiet = own.signal.one_of(v.NO_SIGNAL, v.PASSED) & ~found
+    quiet = own.event.one_of(v.NO_SIGNAL, v.PASSED) & ~found
     yield for_all_inputs(
         "nothing else counts",
         (counts & quiet).implies(change.eq(0)),
@@ -136,17 +138,19 @@ def _changes(model: Fibre) -> Iterator[Property]:
     """Claim the changes of the amplitude that are position signals."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     waiting, counting, _, faulted = machine.modes
-    kept = ~(own.reference & seen.normal) & ~seen.lost & ~seen.full
+    kept = ~(own.reference_accepted & seen.normal) & ~seen.lost & ~seen.full
     hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
     yield for_all_inputs(
         "a rise or a fall is a signal",
-        (hears & seen.changes & ~seen.late & ~(own.reference & seen.normal)).implies(own.signal.eq(v.POSITION_SIGNAL)),
+        (hears & seen.changes & ~seen.late & ~(own.reference_accepted & seen.normal)).implies(
+            own.event.eq(v.POSITION_SIGNAL)
+        ),
         statement="whenever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; "
         "unless the amplitude was absent for so long, or always, that the place of the change is unknown",
     )
     yield for_all_inputs(
         "a change of long ago is no signal",
-        (before(machine.mode).one_of(waiting, counting) & seen.late).implies(own.signal.ne(v.POSITION_SIGNAL)),
+        (before(machine.mode).one_of(waiting, counting) & seen.late).implies(own.event.ne(v.POSITION_SIGNAL)),
         statement="an amplitude that is changed when it comes back after too long a run, or comes for the first time, is "
         "not counted as a section entered in that cycle",
     )
@@ -155,8 +159,8 @@ def _changes(model: Fibre) -> Iterator[Property]:
 def _direction(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     step = machine.stayed() | ~machine.stayed()
-    silent = minimum(before(own.gap) + 1, own.gap.high)
-    ran = [own.forwards.iff(seen.forwards), own.gap.eq(ite(own.run.present, as_num(0, COUNT), silent))]
+    silent = minimum(before(own.silent_cycles) + 1, own.silent_cycles.high)
+    ran = [own.forwards.iff(seen.forwards), own.silent_cycles.eq(ite(own.run.present, as_num(0, COUNT), silent))]
     yield for_all_inputs(
         "direction and silence are followed",
         step.implies(all_of(ran)),

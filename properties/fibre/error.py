@@ -30,7 +30,7 @@ def _disagreements(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     *_, located, faulted = machine.modes
     mode, was_located = machine.mode, before(machine.mode).eq(located)
-    compared = was_located & ~(own.reference & seen.normal) & ~seen.lost
+    compared = was_located & ~(own.reference_accepted & seen.normal) & ~seen.lost
     for name, (reason, trace, what) in NAMED.items():
         yield _held(
             name,
@@ -52,11 +52,11 @@ def _additional(model: Fibre) -> Iterator[Property]:
     """Claim that F compares the additional localization with the section of the position signal."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     was_located = before(machine.mode).eq(machine.modes[2])
-    signal = was_located & ~own.reference & own.signal.eq(v.POSITION_SIGNAL)
+    signal = was_located & ~own.reference_accepted & own.event.eq(v.POSITION_SIGNAL)
     near = seen.near
     additional = {
-        "time of flight": (own.flight, own.config.flight_threshold_mm, ("FWG-4", "FWG-6", "FWG-7")),
-        "reflecting point": (own.reflection, own.config.reflection_threshold_mm, ("FWG-4", "FWG-5", "FWG-7")),
+        "time of flight": (own.flight_position, own.config.flight_threshold_mm, ("FWG-4", "FWG-6", "FWG-7")),
+        "reflecting point": (own.reflecting_point, own.config.reflection_threshold_mm, ("FWG-4", "FWG-5", "FWG-7")),
     }
     for name, (measured, threshold, trace) in additional.items():
         far = measured.present & (abs_(measured.value - near) > threshold)
@@ -75,7 +75,7 @@ def _latch(model: Fibre) -> Iterator[Property]:
     mode = machine.mode
     yield _held(
         "F is latched",
-        (before(mode).eq(faulted) & mode.ne(faulted)).implies(own.reference),
+        (before(mode).eq(faulted) & mode.ne(faulted)).implies(own.reference_accepted),
         "F stays until a reference is accepted",
         CHECKED,
     )

@@ -41,7 +41,7 @@ def _interval(model: Fibre) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "tolerance",
-        valid.implies(above <= own.config.tolerance_mm + own.config.max_step_mm * 4),
+        valid.implies(above <= own.config.tolerance_mm + own.config.max_cycle_distance_mm * 4),
         statement="a reported interval is never wider than the tolerable error and the run of the cycle of an edge",
     )
 
@@ -50,8 +50,8 @@ def _narrower(model: Fibre) -> Iterator[Property]:
     """Claim the only events that make the interval narrower, or known again."""
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
-    no_event = own.signal.one_of(v.NO_SIGNAL) & was(model.own.counted)
-    stays = before(machine.mode).eq(machine.modes[2]) & valid & no_event & ~own.reference
+    no_event = own.event.one_of(v.NO_SIGNAL) & was(model.own.counted)
+    stays = before(machine.mode).eq(machine.modes[2]) & valid & no_event & ~own.reference_accepted
     yield for_all_inputs(
         "only edges narrow",
         stays.implies(own.drift >= before(own.drift)),
@@ -69,31 +69,33 @@ def _narrower(model: Fibre) -> Iterator[Property]:
 def _gives_place(model: Fibre) -> Bool:
     """Return the condition that an accepted reference, or the map's answer to a whole word, gives the place."""
     own, seen, counting = model.own, Seen(model.own), model.machine.modes[1]
-    word = own.answer & before(own.read).eq(own.config.window) & before(own.band).eq(v.NORMAL)
-    return seen.normal & (own.reference | (before(model.machine.mode).eq(counting) & word))
+    word = own.word_found & before(own.read).eq(own.config.window) & before(own.band).eq(v.NORMAL)
+    return seen.normal & (own.reference_accepted | (before(model.machine.mode).eq(counting) & word))
 
 
 def _added_error(model: Fibre) -> Iterator[Property]:
     """Claim the error that is added for each run."""
     own, seen = model.own, Seen(model.own)
-    none, follows = own.signal.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference
+    none, follows = own.event.eq(v.NO_SIGNAL), followed(model.machine) & ~own.reference_accepted
     yield for_all_inputs(
         "every run adds its error",
-        (follows & none).implies((own.drift - seen.added_error_nm).eq(before(own.drift)) & own.since.eq(seen.run)),
+        (follows & none).implies(
+            (own.drift - seen.added_error_nm).eq(before(own.drift)) & own.run_since_edge.eq(seen.run)
+        ),
         statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if "
         "none was measured",
     )
     edge = follows & ~none
     yield for_all_inputs(
         "an edge adds the run of its cycle to the error",
-        edge.implies(own.drift.eq(seen.blind_nm) & own.since.eq(0)),
+        edge.implies(own.drift.eq(seen.blind_nm) & own.run_since_edge.eq(0)),
         statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before "
         "it: the whole run since the last amplitude is added to the error",
     )
     most = own.config.tolerance_mm * NM_PER_MM
     yield for_all_inputs(
         "runs without an amplitude are summed",
-        own.unheard.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
+        own.run_since_amplitude.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
         statement="in each cycle without an amplitude the run and its greatest error are added to the run without an "
         "amplitude, up to the tolerance",
     )
@@ -103,10 +105,10 @@ def _tied(model: Fibre) -> Iterator[Property]:
     """Claim the place of the map to which the interval is tied."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
-    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
-    edges = {v.POSITION_SIGNAL: seen.near, v.PASSED: before(own.far)}
-    at = [own.signal.eq(event).implies(own.base.eq(edge)) for event, edge in edges.items()]
-    others = own.signal.one_of(v.NO_SIGNAL, v.TURNED_BACK).implies(own.base.eq(before(own.base)))
+    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference_accepted
+    edges = {v.POSITION_SIGNAL: seen.near, v.PASSED: before(own.far_edge)}
+    at = [own.event.eq(event).implies(own.edge.eq(edge)) for event, edge in edges.items()]
+    others = own.event.one_of(v.NO_SIGNAL, v.TURNED_BACK).implies(own.edge.eq(before(own.edge)))
     yield for_all_inputs(
         "an edge is the map's",
         stays.implies(all_of(at) & others),
@@ -119,12 +121,12 @@ def _tied(model: Fibre) -> Iterator[Property]:
 def _entered(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
     located = machine.modes[2]
-    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference
+    stays = before(machine.mode).eq(located) & machine.mode.eq(located) & ~own.reference_accepted
     far, long = ite(seen.forwards, own.ahead.far, own.behind.far), ite(seen.forwards, own.ahead.long, own.behind.long)
-    entered = own.far.eq(far) & own.long.iff(long) & own.upwards.iff(seen.forwards)
+    entered = own.far_edge.eq(far) & own.long_by_map.iff(long) & own.upwards.iff(seen.forwards)
     yield for_all_inputs(
         "the section entered is the map's",
-        (stays & own.signal.eq(v.POSITION_SIGNAL)).implies(entered),
+        (stays & own.event.eq(v.POSITION_SIGNAL)).implies(entered),
         statement="far edge, length and direction of entry of the section are kept until the end leaves it",
         requirements=(*SEEN, *CODE),
     )
@@ -132,10 +134,15 @@ def _entered(model: Fibre) -> Iterator[Property]:
 
 def _referred(model: Fibre) -> Iterator[Property]:
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    at_place = own.base.eq(own.reference_place) & own.since.eq(0) & own.drift.eq(0) & own.count.eq(own.reference_count)
+    at_place = (
+        own.edge.eq(own.reference_position)
+        & own.run_since_edge.eq(0)
+        & own.drift.eq(0)
+        & own.sections_counted.eq(own.reference_count)
+    )
     yield for_all_inputs(
         "an accepted reference locates the end",
-        (own.reference & seen.normal).implies(machine.flag("valid") & at_place),
+        (own.reference_accepted & seen.normal).implies(machine.flag("valid") & at_place),
         statement="an accepted reference, with the amplitude normal, locates the end at its place and with its count",
         requirements=COUNTS,
     )
@@ -145,7 +152,7 @@ def _kept(model: Fibre) -> Iterator[Property]:
     """Claim the loss and the keeping of a place."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
     waiting, _, located, faulted = machine.modes
-    mode, referred = machine.mode, own.reference & seen.normal
+    mode, referred = machine.mode, own.reference_accepted & seen.normal
     was_followed = before(mode).ne(waiting) & before(mode).ne(faulted)
     yield for_all_inputs(
         "a pattern that is lost has no place",

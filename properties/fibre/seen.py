@@ -88,12 +88,12 @@ class Seen:
     def blind_nm(self) -> Num:
         """Greatest run since the last amplitude, with this cycle's, nm."""
         measured = with_unit(ite(self.own.run.present, abs_(self.own.run.value), 0) * NM_PER_MM, NM)
-        return measured + before(self.own.unheard) + self.added_error_nm
+        return measured + before(self.own.run_since_amplitude) + self.added_error_nm
 
     @cached_property
     def late(self) -> Bool:
         """The amplitude was absent for so much run that a change cannot be placed within the tolerance."""
-        return before(self.own.unheard) > self._room_nm
+        return before(self.own.run_since_amplitude) > self._room_nm
 
     @property
     def _room_nm(self) -> int:
@@ -102,19 +102,19 @@ class Seen:
     @cached_property
     def run(self) -> Num:
         """Run since the last edge, mm."""
-        kept = before(self.own.since)
+        kept = before(self.own.run_since_edge)
         return ite(self.own.run.present, kept + self.own.run.value, kept)
 
     @cached_property
     def place(self) -> Num:
         """Place of the end by the last edge and the run, mm."""
-        return before(self.own.base) + self.run
+        return before(self.own.edge) + self.run
 
     @cached_property
     def lost(self) -> Bool:
         """The pattern was silent for too long, or the place of the end or of an edge is no longer known within the tolerance."""
         own, config = self.own, self.own.config
-        measured = own.run.present | (before(own.gap) < config.gap_limit_cycles)
+        measured = own.run.present | (before(own.silent_cycles) < config.gap_limit_cycles)
         edge = (self.changes | self.returns) & self.late
         return any_of([~measured, edge, self.wrong_nm > self._room_nm, abs_(self.run) > config.position_limit_mm])
 
@@ -176,7 +176,7 @@ class Seen:
     def full(self) -> Bool:
         """The range of section numbers is exhausted."""
         limit = self.own.config.section_limit
-        count = before(self.own.count)
+        count = before(self.own.sections_counted)
         return (self.forwards & (count >= limit)) | (~self.forwards & (count <= -limit))
 
     # -------------------------------------------------------------- disagreements
@@ -186,7 +186,7 @@ class Seen:
         """Each disagreement by its reason."""
         own, config = self.own, self.own.config
         among = before(own.band).ne(v.NORMAL)
-        fits = (self.long & was(own.long)) | (self.short & ~was(own.long))
+        fits = (self.long & was(own.long_by_map)) | (self.short & ~was(own.long_by_map))
         longest = config.long_mm + 2 * config.edge_tolerance_mm
         return {
             v.FALSE_SECTION: self.changes & ~self.expected,
@@ -195,9 +195,10 @@ class Seen:
             v.NO_END_OF_SECTION: among
             & ~self._within(self.run, longest)
             & (~self.returns | ~self._within_edges(self.run, longest)),
-            v.FLIGHT_DIFFERS: own.flight.present & self._off(own.flight.value, config.flight_threshold_mm),
-            v.REFLECTION_DIFFERS: own.reflection.present
-            & self._off(own.reflection.value, config.reflection_threshold_mm),
+            v.FLIGHT_DIFFERS: own.flight_position.present
+            & self._off(own.flight_position.value, config.flight_threshold_mm),
+            v.REFLECTION_DIFFERS: own.reflecting_point.present
+            & self._off(own.reflecting_point.value, config.reflection_threshold_mm),
         }
 
     @cached_property

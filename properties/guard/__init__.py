@@ -181,7 +181,9 @@ def _course(model: Guard) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a refused course costs the row",
-        (step.fair.one_of(ACROSS, AGAINST)).implies(own.agreed.eq(0) & own.fair.eq(0) & own.agreed.ne(most)),
+        (step.fair.one_of(ACROSS, AGAINST)).implies(
+            own.agreed_fixes.eq(0) & own.fair_fixes.eq(0) & own.agreed_fixes.ne(most)
+        ),
         statement="after a fix across or against the way, the machine requires as many fixes in a row as at the "
         "beginning",
     )
@@ -216,7 +218,7 @@ def _carried(model: Guard) -> Iterator[Property]:
     fills = step.fair.eq(PASSED) & step.fair_row.eq(own.config.confirmations)
     yield for_all_inputs(
         "fair fixes are counted",
-        own.fair.eq(ite(own.start_anew, as_num(0, COUNT), step.fair_row)),
+        own.fair_fixes.eq(ite(own.start_anew, as_num(0, COUNT), step.fair_row)),
         statement="the row of fair fixes grows by each that follows from the one before, and ends with one that is off the track, runs "
         "across or against it, or is out of reach",
     )
@@ -239,7 +241,7 @@ def _new_start(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a new start forgets",
         own.start_anew.implies(
-            machine.mode.eq(lost) & own.agreed.eq(0) & own.fair.eq(0) & nowhere & ~machine.flag("passed")
+            machine.mode.eq(lost) & own.agreed_fixes.eq(0) & own.fair_fixes.eq(0) & nowhere & ~machine.flag("passed")
         ),
         statement="at a new start no interval is stored and no place known, and the next fix begins a row wherever "
         "it lies",
@@ -268,13 +270,13 @@ def _trust(model: Guard) -> Iterator[Property]:
     passed, contradicts = machine.flag("passed"), step.fair.eq(PASSED) & ~step.follows
     yield for_all_inputs(
         "an implausible fix costs the trust",
-        (was_holding & step.implausible).implies(now.ne(passing) & own.agreed.eq(0)),
+        (was_holding & step.implausible).implies(now.ne(passing) & own.agreed_fixes.eq(0)),
         statement="a fix that contradicts map or motion puts the receiver on probation in the same step",
     )
     yield for_all_inputs(
         "nothing else costs the trust",
         (was_holding & holding & ~step.implausible & ~step.agrees & ~contradicts).implies(
-            own.agreed.eq(before(own.agreed)) & now.eq(before(now))
+            own.agreed_fixes.eq(before(own.agreed_fixes)) & now.eq(before(now))
         )
         & (before(now).eq(passing) & now.eq(probation)).implies(step.implausible | contradicts),
         statement="a delivery that is missing, faulty, coarse or in doubt changes the trust in the receiver neither "
@@ -283,7 +285,7 @@ def _trust(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a receiver that contradicts itself loses the trust",
         (was_holding & contradicts).implies(
-            ~passed & now.ne(passing) & own.agreed.eq(ite(holding & step.agrees, as_num(1, COUNT), 0))
+            ~passed & now.ne(passing) & own.agreed_fixes.eq(ite(holding & step.agrees, as_num(1, COUNT), 0))
         ),
         statement="if no vehicle can have run from the last fix near the way to this one, the machine withholds "
         "this one; it begins a row if it agrees with the stored interval",
@@ -320,15 +322,15 @@ def _recovering(model: Guard) -> Iterator[Property]:
     goes_on = ~own.start_anew
     yield for_all_inputs(
         "a row begins with a fix that may be true",
-        (was.eq(lost) & goes_on).implies(ite(begins, now.eq(recovering) & own.agreed.eq(1), now.eq(lost))),
+        (was.eq(lost) & goes_on).implies(ite(begins, now.eq(recovering) & own.agreed_fixes.eq(1), now.eq(lost))),
         statement="while no interval is stored, a fix that agrees with map, vehicle, course and the place last "
         "known begins a row of one, and nothing else does",
     )
-    anew = now.eq(recovering) & own.agreed.eq(1)
-    dropped = now.eq(lost) & own.agreed.eq(0)
-    kept = now.eq(recovering) & own.agreed.eq(before(own.agreed))
+    anew = now.eq(recovering) & own.agreed_fixes.eq(1)
+    dropped = now.eq(lost) & own.agreed_fixes.eq(0)
+    kept = now.eq(recovering) & own.agreed_fixes.eq(before(own.agreed_fixes))
     otherwise = ite(begins, anew, ite(step.implausible | ~step.can_be_held, dropped, kept))
-    grows = ite(step.fills, now.eq(passing), now.eq(recovering) & own.agreed.eq(before(own.agreed) + 1))
+    grows = ite(step.fills, now.eq(passing), now.eq(recovering) & own.agreed_fixes.eq(before(own.agreed_fixes) + 1))
     yield for_all_inputs(
         "a row that does not agree begins anew",
         (was.eq(recovering) & goes_on).implies(ite(step.agrees, grows, otherwise)),
@@ -345,7 +347,9 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     _, _, passing, probation = machine.modes
     yield for_all_inputs(
         "no resurrection",
-        (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(back & before(own.agreed).eq(most - 1)),
+        (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(
+            back & before(own.agreed_fixes).eq(most - 1)
+        ),
         statement="a receiver that was in doubt is trusted again only from the fix on that completes the row of "
         "agreeing ones",
     )
@@ -356,18 +360,19 @@ def _coming_back(model: Guard) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "one fix counts once",
-        (own.agreed <= before(own.agreed) + 1)
-        & ((own.agreed > before(own.agreed)).implies(own.last_verdict.one_of(PASSED, UNCONFIRMED))),
+        (own.agreed_fixes <= before(own.agreed_fixes) + 1)
+        & ((own.agreed_fixes > before(own.agreed_fixes)).implies(own.last_verdict.one_of(PASSED, UNCONFIRMED))),
         statement="the row grows by one, and only with a fix that passes every check",
     )
     yield for_all_inputs(
         "only a full row passes",
-        passed.implies(own.agreed.eq(most)),
+        passed.implies(own.agreed_fixes.eq(most)),
         statement="the machine passes no fix on before the required number of fixes in a row agree",
     )
     yield for_all_inputs(
         "passing is trust",
-        machine.mode.eq(passing).implies(own.agreed.eq(most)) & machine.mode.eq(probation).implies(own.agreed < most),
+        machine.mode.eq(passing).implies(own.agreed_fixes.eq(most))
+        & machine.mode.eq(probation).implies(own.agreed_fixes < most),
         statement="fixes are passed on exactly while the row is full",
     )
 
@@ -377,9 +382,9 @@ def _use(model: Guard) -> Iterator[Property]:
     most = own.config.confirmations
     step = Step(model)
     agrees = ~own.start_anew & step.agrees & (step.can_be_held | step.fills | ~_was_holding(model))
-    was = before(own.agreed)
+    was = before(own.agreed_fixes)
     longer = ite(was >= most - 1, as_num(most, COUNT), was + 1)
-    counted = own.agreed.eq(ite(step.follows, longer, as_num(1, COUNT)))
+    counted = own.agreed_fixes.eq(ite(step.follows, longer, as_num(1, COUNT)))
     yield for_all_inputs(
         "every agreeing fix counts",
         (agrees & (was > 0)).implies(counted) & (agrees & step.follows & (was >= most - 1)).implies(passed),

@@ -252,9 +252,9 @@ class Step:
         """Number of fair fixes in a row with this one."""
         own, most = self.model.own, self.model.own.config.confirmations
         goes_on = self.follows & ~own.elsewhere
-        longer = ite(before(own.fair) >= most - 1, as_num(most, COUNT), before(own.fair) + 1)
+        longer = ite(before(own.fair_fixes) >= most - 1, as_num(most, COUNT), before(own.fair_fixes) + 1)
         ended = self.fair.one_of(OFF_TRACK, ACROSS, AGAINST, OUT_OF_REACH)
-        held = ite(ended, as_num(0, COUNT), before(own.fair))
+        held = ite(ended, as_num(0, COUNT), before(own.fair_fixes))
         return ite(self.fair.ne(PASSED), held, ite(goes_on, longer, as_num(1, COUNT)))
 
     @cached_property
@@ -336,7 +336,7 @@ class Step:
     def fills(self) -> Bool:
         """The fix agrees, follows from the one before, and fills the row of agreeing fixes."""
         return all_of(
-            [self.agrees, self.follows, before(self.model.own.agreed) > self.model.own.config.confirmations - 2]
+            [self.agrees, self.follows, before(self.model.own.agreed_fixes) > self.model.own.config.confirmations - 2]
         )
 
 

@@ -159,13 +159,13 @@ def _last_marker(model: Odometry) -> Iterator[Property]:
     )
     counts = ite(back, _counts(rear), _counts(front))
     read = own.last_marker.eq(ite(back, rear.marker.value, front.marker.value))
-    there = own.last_place.eq(ite(back, rear.place.value, front.place.value))
+    there = own.last_marker_position.eq(ite(back, rear.place.value, front.place.value))
     yield for_pairs(
         "the marker that the leading reader read last is stored",
         (counts & mode.ne(lost) & own.backwards.iff(back)).implies(read & there),
         statement="after a leading reading that passes every check its marker is the last one, with its place on the map",
     )
-    same_place = own.last_place.eq(earlier_num(own.last_place))
+    same_place = own.last_marker_position.eq(earlier_num(own.last_marker_position))
     stays = own.last_marker.eq(earlier_num(own.last_marker)) | own.last_marker.eq(0)
     yield for_pairs(
         "without a leading reading the last marker stays",
@@ -202,7 +202,7 @@ def _entitled(model: Odometry, end: int, reader: Reader) -> Bool:
     """A leading marker is new and lies ahead of the last one; a trailing one was read by the leading reader."""
     own, marker, place = model.own, reader.marker.value, reader.place.value
     back = earlier_bool(own.backwards)
-    last, last_place = earlier_num(own.last_marker), earlier_num(own.last_place)
+    last, last_place = earlier_num(own.last_marker), earlier_num(own.last_marker_position)
     ahead = ite(back, last_place > place, last_place < place)
     new = last.eq(0) | (last.ne(marker) & ahead)
     unknown = all_of(earlier_num(waiting).ne(marker) for waiting in own.pending.places)

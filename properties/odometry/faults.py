@@ -23,7 +23,7 @@ def properties(model: Odometry) -> list[Property]:
     That of the wider one holds only where no reading is stray (`trust_first_marker`). PropertyError for a machine whose parts
     were made without the ghost of a faulty unit.
     """
-    if model.own.ghosts.faulty is None:
+    if model.own.ghosts.faulty_unit is None:
         name, src = model.machine.name, model.machine.src
         raise PropertyError(f"{src}: {name} has no ghost of a faulty unit; make its parts with with_fault=True.")
     if model.own.config.single_fault_safe:

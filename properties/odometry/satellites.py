@@ -46,7 +46,7 @@ def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
         return
     valid, candidate = machine.flag("valid"), machine.mode.eq(machine.modes[1])
     by_marker = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
-    waits = before(machine.mode).eq(machine.modes[1]) & ~earlier_bool(given.gave_candidate)
+    waits = before(machine.mode).eq(machine.modes[1]) & ~earlier_bool(given.candidate_of_satellites)
     yield for_all_inputs(
         "satellites alone end no loss",
         (valid & ~earlier_bool(valid)).implies(by_marker | waits),
@@ -58,9 +58,9 @@ def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
     kept = candidate & before(machine.mode).eq(machine.modes[1]) & ~taken & ~marker
     yield for_all_inputs(
         "a candidate of satellites is known as one",
-        taken.implies(candidate & given.gave_candidate)
-        & (marker & candidate).implies(~given.gave_candidate)
-        & kept.implies(given.gave_candidate.iff(earlier_bool(given.gave_candidate))),
+        taken.implies(candidate & given.candidate_of_satellites)
+        & (marker & candidate).implies(~given.candidate_of_satellites)
+        & kept.implies(given.candidate_of_satellites.iff(earlier_bool(given.candidate_of_satellites))),
         statement="the machine stores whether the candidate is a position of satellites or a marker, as long as it waits",
         requirements=("MRK-D6", "MRK-D1"),
     )
@@ -115,7 +115,7 @@ def _apart(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
     valid = machine.flag("valid")
     silent = [~one.present for reader in own.readers for one in reader.inputs]
     no_turn = own.backwards.iff(earlier_bool(own.backwards))
-    stays = [_same(var) for var in (*own.pending.places, own.last_marker, own.last_place)]
+    stays = [_same(var) for var in (*own.pending.places, own.last_marker, own.last_marker_position)]
     yield for_all_inputs(
         "satellites touch no identity",
         (all_of([valid, earlier_bool(valid), no_turn, *silent])).implies(all_of(stays)),

@@ -35,7 +35,7 @@ def balise_read(own: Parts) -> Bool:
 
 def begun(own: Parts) -> Bool:
     """Return whether a balise began a self-test in this cycle."""
-    return own.procedure.ne(before(own.procedure)) & (own.procedure > 0)
+    return own.procedure_balise.ne(before(own.procedure_balise)) & (own.procedure_balise > 0)
 
 
 def in_test(model: ReflectorMachine) -> Bool:
@@ -164,4 +164,4 @@ def stands_at(own: Parts, slot: Slot, position: Num) -> Bool:
 
 def strong(own: Parts, slot: Slot) -> Bool:
     """Return whether the slot holds an echo of this frame with the minimum intensity."""
-    return (slot.intensity >= own.config.minimum_intensity_cdb) & own.frame & slot.range.present
+    return (slot.intensity >= own.config.minimum_intensity_cdb) & own.frame_present & slot.range.present

@@ -23,7 +23,7 @@ def leaving(model: ReflectorMachine) -> Iterator[Property]:
 
 def _constant(model: ReflectorMachine) -> Iterator[Property]:
     own, anchor = model.own, model.own.anchor
-    tracked = model.machine.flag("precise") & ~own.recognised
+    tracked = model.machine.flag("precise") & ~own.recognised_now
     reaches = exact_to(anchor.position, NM) + anchor.above >= rearmost(own) + own.open_short
     yield for_all_inputs(
         "error is constant",
@@ -51,7 +51,7 @@ def _steps(model: ReflectorMachine) -> Iterator[Property]:
 
 def _anchored(model: ReflectorMachine) -> Iterator[Property]:
     own, anchor = model.own, model.own.anchor
-    stays = was(model, *IN_ZONE) & model.in_mode(*IN_ZONE) & ~own.recognised
+    stays = was(model, *IN_ZONE) & model.in_mode(*IN_ZONE) & ~own.recognised_now
     constant = exact_to(as_num(own.config.odometer.constant_mm, MM), NM)
     unseen = (own.track.above + own.open_short, own.track.below + own.open_long)
     afresh = _no_wider(anchor, own.track.position, unseen, constant)
@@ -105,8 +105,8 @@ def _silent_radar(model: ReflectorMachine) -> Iterator[Property]:
     yield within(
         "a silent radar is noticed",
         own.config.pause_limit_cycles + 1,
-        ~own.frame & model.in_mode("COAST", "VIEW"),
-        own.frame | ~model.in_mode("COAST", "VIEW"),
+        ~own.frame_present & model.in_mode("COAST", "VIEW"),
+        own.frame_present | ~model.in_mode("COAST", "VIEW"),
         statement="a reflector counts as lost for missing frames only after the permitted pause; then odometry goes on",
         requirements=("RFL-D2",),
         unconditional=True,
@@ -115,8 +115,8 @@ def _silent_radar(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "pauses and misses are counted",
         (was(model, "COAST") & model.in_mode("COAST")).implies(
-            own.pauses.eq(ite(own.frame, before(own.pauses), before(own.pauses) + 1))
-            & own.misses.eq(ite(own.frame, before(own.misses) + 1, before(own.misses)))
+            own.pauses.eq(ite(own.frame_present, before(own.pauses), before(own.pauses) + 1))
+            & own.misses.eq(ite(own.frame_present, before(own.misses) + 1, before(own.misses)))
         ),
         statement="while the radar does not measure the reflector, the machine counts cycles without a frame and frames without its "
         "echo apart",

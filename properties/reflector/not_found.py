@@ -38,12 +38,12 @@ def _in_time(model: ReflectorMachine) -> Iterator[Property]:
 def _reference_in_time(model: ReflectorMachine) -> Iterator[Property]:
     own, target, config = model.own, model.own.target, model.own.config
     late = rearmost(own) > found_by(own, target.position, target.view_from)
-    searched = own.run - own.search_from > config.search_run_mm
+    searched = own.run_since_balise - own.search_from > config.search_run_mm
     waits = was(model, "REFERENCE") & model.in_mode("REFERENCE") & ~begun(own)
     far = config.reference_run_mm
     yield for_all_inputs(
         "the reference reflector is found in time",
-        waits.implies(~(late & searched) & between(-far, own.run, far)),
+        waits.implies(~(late & searched) & between(-far, own.run_since_balise, far)),
         statement="the self-test waits for its reflector until one search run behind the beginning of its view zone and behind the "
         "prescribed distance, and never beyond the longest reference run",
         requirements=("RFL-6", "RFL-D3"),
@@ -75,7 +75,7 @@ def _not_before(model: ReflectorMachine) -> Iterator[Property]:
 def _reference_not_before(model: ReflectorMachine) -> Iterator[Property]:
     own, target, config = model.own, model.own.target, model.own.config
     by = found_by(own, before(target.position), before(target.view_from))
-    run: Num = before(own.run) + ran_mm(own)
+    run: Num = before(own.run_since_balise) + ran_mm(own)
     far = (run > config.reference_run_mm) | (run < -config.reference_run_mm)
     searched = run > before(own.search_from) + config.search_run_mm
     yield under_assumption(
@@ -103,12 +103,12 @@ def _found_last(model: ReflectorMachine) -> Iterator[Property]:
     own, nothing = model.own, model.own.found.eq(model.own.found.low)
     yield for_all_inputs(
         "the reflector found last is stored",
-        own.recognised.implies(own.found.eq(own.target.position)),
+        own.recognised_now.implies(own.found.eq(own.target.position)),
         statement="when a reflector comes into view, its place on the map is stored as that of the reflector found last",
     )
     yield for_all_inputs(
         "without a reflector found the last one stays",
-        (~own.recognised).implies(nothing | own.found.eq(before(own.found))),
+        (~own.recognised_now).implies(nothing | own.found.eq(before(own.found))),
         statement="without another reflector in view the one found last stays stored, or is forgotten",
     )
 
@@ -116,7 +116,7 @@ def _found_last(model: ReflectorMachine) -> Iterator[Property]:
 def _unfit(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties of implausible input: it changes nothing."""
     machine, own = model.machine, model.own
-    unfit = all_of(~slot.last_verdict.eq(FITS) & ~slot.last_verdict_next.eq(FITS) for slot in own.slots)
+    unfit = all_of(~slot.last_verdict.eq(FITS) & ~slot.last_verdict_for_next.eq(FITS) for slot in own.slots)
     yield for_all_inputs(
         "unfit echoes change nothing",
         (unfit & ~balise_read(own) & machine.flag("valid")).implies(

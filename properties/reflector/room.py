@@ -98,7 +98,7 @@ def layout_of(config: ReflectorConfig) -> LayoutConfig:
     """Return the layout figures for the machine: the error of a measured reflector includes the travel in the frame's latency,
     the radar's scale error, and the systematic error that a self-test may not exclude."""
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
-    lag_mm = -(-config.max_step_mm * share // 1_000_000) + 1
+    lag_mm = -(-config.max_cycle_distance_mm * share // 1_000_000) + 1
     scale_mm = -(-config.range_limit_mm * config.radar_scale_ppm // 1_000_000)
     return LayoutConfig(
         tolerance_mm=config.tolerance_mm,

@@ -77,10 +77,13 @@ def _located_again(model: ReflectorMachine) -> Iterator[Property]:
     )
     config, tells = own.config, own.balise
     given = balise_accuracy(own) + without_sign(run_since(own))
-    ran = as_num(config.odometer.constant_mm + 2 * config.max_step_mm, MM)
+    ran = as_num(config.odometer.constant_mm + 2 * config.max_cycle_distance_mm, MM)
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
     fine = exact_to(given + ran, NM) + more <= exact_to(as_num(config.tolerance_mm, MM), NM)
-    on_map = abs_(tells.position.value) <= config.position_limit_mm - 2 * config.max_step_mm - config.range_limit_mm
+    on_map = (
+        abs_(tells.position.value)
+        <= config.position_limit_mm - 2 * config.max_cycle_distance_mm - config.range_limit_mm
+    )
     yield for_all_inputs(
         "a balise locates",
         (~earlier_bool(valid) & balise_read(own) & ~own.contradicted & distance_known & fine & on_map).implies(valid),
@@ -119,7 +122,7 @@ def _no_false_alarm(model: ReflectorMachine) -> Iterator[Property]:
 
 def _stray(model: ReflectorMachine) -> Iterator[Property]:
     own, config, tells = model.own, model.own.config, model.own.balise
-    farthest = 2 * (config.tolerance_mm + config.odometer.constant_mm) + FAR_STEPS * config.max_step_mm
+    farthest = 2 * (config.tolerance_mm + config.odometer.constant_mm) + FAR_STEPS * config.max_cycle_distance_mm
     floor = 2 * config.odometer.floor_mm_s * config.period_ms // 1_000 + 1
     away = exact_to(balise_accuracy(own) + without_sign(run_since(own)) + (farthest + floor), NM)
     off = own.ghosts.truth - exact_to(run_since(own) + tells.position.value, NM)

@@ -27,7 +27,7 @@ def _clutter(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "clutter is no reflector",
         (was(model, "ODOMETRY", "NOT_READY", "DELOCALIZED") & ~balise_read(own)).implies(
-            ~model.machine.flag("precise") & ~own.recognised
+            ~model.machine.flag("precise") & ~own.recognised_now
         ),
         statement="in the odometry zone, not ready or without a position, the machine takes no echo, however strong, for a reflector",
     )

@@ -76,7 +76,7 @@ def _prescribed_distance(own: Parts) -> Num:
 
 def _run_now(own: Parts) -> Num:
     """Return the distance run since the balise, at the end of this cycle, mm."""
-    return ite(begun(own), run_since(own), before(own.run) + ran_mm(own))
+    return ite(begun(own), run_since(own), before(own.run_since_balise) + ran_mm(own))
 
 
 def _most(own: Parts, range_: Num, error: Num) -> tuple[Num, Num]:
@@ -144,15 +144,19 @@ def _begins(model: ReflectorMachine) -> Iterator[Property]:
     own, tells = model.own, model.own.balise
     yield for_all_inputs(
         "a test begins with a balise",
-        begun(own).implies(balise_read(own) & own.procedure.eq(tells.identity.value) & own.ahead.position.present),
+        begun(own).implies(
+            balise_read(own) & own.procedure_balise.eq(tells.identity.value) & own.ahead.position.present
+        ),
         statement="a self-test begins only with a balise reading, and only if the map has a next reflector",
         requirements=("RFL-5", "RFL-6"),
     )
-    line = ite(~tells.search.present, as_num(0, MM), tells.search.value)
+    line = ite(~tells.search_from.present, as_num(0, MM), tells.search_from.value)
     yield for_all_inputs(
         "the test begins with the prescribed distance",
         (begun(own) & model.in_mode("REFERENCE")).implies(
-            own.reference.eq(_prescribed_distance(own)) & own.run.eq(run_since(own)) & own.search_from.eq(line)
+            own.reference.eq(_prescribed_distance(own))
+            & own.run_since_balise.eq(run_since(own))
+            & own.search_from.eq(line)
         ),
         statement="the prescribed distance is that of the telegram, else of the map, else of the system; the run counts from the "
         "balise, and the search begins at the telegram's distance",
@@ -162,11 +166,12 @@ def _begins(model: ReflectorMachine) -> Iterator[Property]:
 
 def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
     own = model.own
-    kept = (own.reference, own.search_from, own.target.position, own.target.view_from, own.procedure)
+    kept = (own.reference, own.search_from, own.target.position, own.target.view_from, own.procedure_balise)
     yield for_all_inputs(
         "the test goes on with the distance run",
         (was(model, "REFERENCE") & model.in_mode("REFERENCE") & ~begun(own)).implies(
-            own.run.eq(before(own.run) + ran_mm(own)) & all_of(var.eq(before(var)) for var in kept)
+            own.run_since_balise.eq(before(own.run_since_balise) + ran_mm(own))
+            & all_of(var.eq(before(var)) for var in kept)
         ),
         statement="while the self-test waits for its reflector, the run since the balise grows by the measured distance, and the "
         "prescribed figures stay",
@@ -176,7 +181,9 @@ def _goes_on(model: ReflectorMachine) -> Iterator[Property]:
 
 def _from_the_line(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    line = ite(begun(own), ite(~own.balise.search.present, 0, own.balise.search.value), before(own.search_from))
+    line = ite(
+        begun(own), ite(~own.balise.search_from.present, 0, own.balise.search_from.value), before(own.search_from)
+    )
     yield for_all_inputs(
         "no self-test passes before the prescribed search distance",
         (machine.fired(*PASSED) & (line > 0)).implies(_run_now(own) >= line),
@@ -259,7 +266,7 @@ def _failed(model: ReflectorMachine) -> Iterator[Property]:
     yield for_all_inputs(
         "no retry",
         (was(model, "NOT_READY") & ~model.in_mode("NOT_READY", "DELOCALIZED")).implies(
-            balise_read(own) & own.balise.identity.value.ne(before(own.procedure))
+            balise_read(own) & own.balise.identity.value.ne(before(own.procedure_balise))
         ),
         statement="after a failed self-test only a different balise starts another one",
         requirements=("RFL-6", "RFL-D3"),

@@ -29,7 +29,7 @@ def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
     verdicts = {
         "target": [_from_there(own, slot, valid & slot.last_verdict.eq(FITS), looked_for(own)) for slot in own.slots],
         "next reflector": [
-            _from_there(own, slot, slot.last_verdict_next.eq(FITS), own.ahead.position.value) for slot in own.slots
+            _from_there(own, slot, slot.last_verdict_for_next.eq(FITS), own.ahead.position.value) for slot in own.slots
         ],
     }
     for name, right in verdicts.items():
@@ -75,7 +75,7 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
     sides = ((own.track.above, least + own.open_long), (own.track.below, least + own.open_short))
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
-    late = with_unit(as_num(config.max_step_mm, MM) * share, NM) + more
+    late = with_unit(as_num(config.max_cycle_distance_mm, MM) * share, NM) + more
     place = machine.output("reflector_position_mm") + config.radar_offset_mm
     yield for_all_inputs(
         "errors of radar and survey make up the margins",
@@ -108,7 +108,7 @@ def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
 
 def _used(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    fits = any_of(slot.last_verdict.eq(FITS) | slot.last_verdict_next.eq(FITS) for slot in own.slots)
+    fits = any_of(slot.last_verdict.eq(FITS) | slot.last_verdict_for_next.eq(FITS) for slot in own.slots)
     yield under_assumption(
         "an echo that fits is used",
         (machine.flag("valid") & fits).implies(machine.flag("precise") | own.error.eq(MISMATCH)),
@@ -132,13 +132,15 @@ def _reasons(model: ReflectorMachine) -> Iterator[Property]:
     own, floor = model.own, model.own.config.minimum_intensity_cdb
 
     def right(slot: Slot, verdict: Num) -> Bool:
-        there, frame = slot.range.present, model.own.frame
+        there, frame = slot.range.present, model.own.frame_present
         empty, paused = verdict.eq(NONE).iff(~there), verdict.eq(NO_FRAME).iff(there & ~frame)
         return empty & paused & verdict.eq(WEAK).iff((slot.intensity <= floor - 1) & frame & there)
 
     yield for_all_inputs(
         "an echo that is not evaluated has its true reason",
-        all_of(right(slot, verdict) for slot in own.slots for verdict in (slot.last_verdict, slot.last_verdict_next)),
+        all_of(
+            right(slot, verdict) for slot in own.slots for verdict in (slot.last_verdict, slot.last_verdict_for_next)
+        ),
         statement="the verdicts empty slot, radar pause and too weak appear exactly when they are true",
     )
 

@@ -96,7 +96,7 @@ def _agree(own: Parts, one: Slot, other: Slot) -> Bool:
     """Return whether both ranges agree, within the errors of echoes, survey and radar and the travel since the frame."""
     config = own.config
     share = -(-config.frame_latency_ms * 1_000_000 // config.period_ms)
-    run_mm = -(-config.max_step_mm * share // 1_000_000)
+    run_mm = -(-config.max_cycle_distance_mm * share // 1_000_000)
     more = as_num(0, NM) if own.odometer.more is None else own.odometer.more
     scale = with_unit((one.range.value + other.range.value) * config.radar_scale_ppm, NM)
     most = exact_to(one.error + other.error + 2 * (config.map_accuracy_mm + run_mm), NM) + more * 2 + scale

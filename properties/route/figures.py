@@ -62,7 +62,7 @@ class CycleEvidence:
     @property
     def went_on(self) -> Bool:
         """The route was possible, and there was no new start."""
-        return ~self.own.start.present & earlier_bool(self.route.possible)
+        return ~self.own.start_error.present & earlier_bool(self.route.possible)
 
     @property
     def low(self) -> Num:
@@ -82,12 +82,12 @@ class CycleEvidence:
     @property
     def place(self) -> Num:
         """Place of the vehicle on this route by the sighting, nm."""
-        return exact_to(self.route.reflector.value, NM) - exact_to(self.own.sighting.value, NM)
+        return exact_to(self.route.reflector.value, NM) - exact_to(self.own.sighting_range.value, NM)
 
     @property
     def unseen(self) -> Bool:
         """The vehicle sighted no reflector of a known model."""
-        return ~self.own.sighting.present | self.own.sighting_model.eq(NO_MODEL)
+        return ~self.own.sighting_range.present | self.own.sighting_model.eq(NO_MODEL)
 
     @property
     def never_there(self) -> Bool:
@@ -99,5 +99,5 @@ class CycleEvidence:
     @property
     def turned_away(self) -> Bool:
         """The vehicle saw a turn that the route does not take."""
-        turned, course = self.own.turned, self.route.course
+        turned, course = self.own.course_taken, self.route.course
         return all_of([course.ne(turned), turned.ne(UNDECIDED), course.ne(UNDECIDED)])

@@ -22,7 +22,7 @@ def refutation(model: Route) -> Iterator[Property]:
 
 
 def _possible(model: Route, evidence: CycleEvidence) -> Iterator[Property]:
-    route, begun = evidence.route, model.own.start.present
+    route, begun = evidence.route, model.own.start_error.present
     yield for_all_inputs(
         f"route {route.number} does not come back",
         (route.possible & ~earlier_bool(route.possible)).implies(begun & route.candidate),

@@ -46,7 +46,7 @@ def _silent(model: Route) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "no resurrection",
-        (carried(model) & ~earlier_bool(carried(model))).implies(model.own.start.present),
+        (carried(model) & ~earlier_bool(carried(model))).implies(model.own.start_error.present),
         statement="after a loss the machine reports again only from a new start on, with a reference of its own",
     )
 
@@ -77,7 +77,7 @@ def _wide(model: Route) -> Iterator[Property]:
 
 def _given_up(model: Route) -> Bool:
     """Return whether the machine stops reporting in a cycle without a new start."""
-    return earlier_bool(carried(model)) & ~model.own.start.present & ~carried(model)
+    return earlier_bool(carried(model)) & ~model.own.start_error.present & ~carried(model)
 
 
 def _may_be_too_wide(own: Parts, evidence: CycleEvidence) -> Bool:
@@ -103,7 +103,7 @@ def _odometer(model: Route) -> Iterator[Property]:
     too_long = odometer.gap > own.config.gap_limit_cycles
     yield for_all_inputs(
         "a silent odometer ends the report",
-        (earlier_bool(carried(model)) & ~own.start.present).implies(own.reason.eq(SENSOR_FAILURE).iff(too_long)),
+        (earlier_bool(carried(model)) & ~own.start_error.present).implies(own.reason.eq(SENSOR_FAILURE).iff(too_long)),
         statement="the machine gives the routes up for the odometer exactly if that was silent for longer than permitted",
         requirements=("RFL-D6", "RFL-D1"),
     )
@@ -130,7 +130,7 @@ def _reasons(model: Route) -> Iterator[Property]:
 
 def _authority(model: Route) -> Iterator[Property]:
     own, machine = model.own, model.machine
-    refuted = any_of(own.authorised.eq(route.number) & ~route.possible for route in own.routes)
+    refuted = any_of(own.authorised_route.eq(route.number) & ~route.possible for route in own.routes)
     yield for_all_inputs(
         "authority",
         carried(model).implies(machine.flag("refutes_authority").iff(refuted)),

@@ -38,7 +38,7 @@ def safety(model: Route) -> Iterator[Property]:
     )
     yield under_assumption(
         "a right authority is never refuted",
-        (carried(model) & model.own.authorised.eq(seen.route)).implies(~machine.flag("refutes_authority")),
+        (carried(model) & model.own.authorised_route.eq(seen.route)).implies(~machine.flag("refutes_authority")),
         statement="the machine never reports that a vehicle on the route of its movement authority is off it",
         requirements=("RFL-D6", "RFL-12"),
     )

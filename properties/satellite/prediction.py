@@ -117,7 +117,7 @@ def _healthy_while_braking(model: Satellite, one: Channel) -> Bool:
         (one.error, chosen.range_noise_mm),
         (one.speed_error, chosen.speed_noise_mm_s),
         (clock.clock, chosen.range_clock_mm),
-        (clock.speed_clock, chosen.speed_clock_mm_s),
+        (clock.clock_mm_s, chosen.speed_clock_mm_s),
     )
     covariances = (
         (one.covariance, chosen.range_covariance_mm2),
@@ -130,7 +130,7 @@ def _healthy_while_braking(model: Satellite, one: Channel) -> Bool:
             was_off_speed <= exact_to(Lit(config.state_speed_error_mm_s, MM_S), UM_S),
             *(between(-most, of.num(term), most) for term, most in noise),
             *(of.num(item.value) < most for item, most in covariances),
-            abs_(exact_to(of.num(one.offset * 2), NM)) <= off,
-            abs_(exact_to(of.num(one.speed_offset), UM_S)) <= off_speed,
+            abs_(exact_to(of.num(one.prediction * 2), NM)) <= off,
+            abs_(exact_to(of.num(one.prediction_mm_s), UM_S)) <= off_speed,
         ]
     )

@@ -66,7 +66,7 @@ def used(model: Satellite) -> Iterator[Property]:
         statement="an accepted solution uses no satellite whose measurement of this cycle violates the criterion",
         requirements=("SAT-1", "SAT-4", "SAT-5"),
     )
-    valid = [model.composition.of(model.selection.machine).bool(one.ephemeris) for one, _ in channels(model)]
+    valid = [model.composition.of(model.selection.machine).bool(one.ephemeris_valid) for one, _ in channels(model)]
     yield for_all_inputs(
         "no expired data count",
         accepted.implies(all_of(~flag | ephemeris for flag, ephemeris in zip(used, valid, strict=True))),

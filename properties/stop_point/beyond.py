@@ -46,7 +46,7 @@ def _overrun(model: StopPoint) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a measured overrun is reported",
-        (towards & past & own.pending.eq(before(own.pending))).implies(overrun),
+        (towards & past & own.pending_number.eq(before(own.pending_number))).implies(overrun),
         statement="the machine reports an overrun if a vehicle on its way to the pending stop, as measured, is possibly beyond the "
         "window",
     )

@@ -58,6 +58,6 @@ def _proceeds_to_the_window(model: StopPoint) -> Iterator[Property]:
     own, order = model.own, model.machine.output("order")
     yield for_all_inputs(
         "proceeds no farther than to the window",
-        (ordered_before(model).eq(PROCEED) & (rearmost(own) >= near_end(own)) & own.pending.eq(before(own.pending)))
+        (ordered_before(model).eq(PROCEED) & (rearmost(own) >= near_end(own)) & own.pending_number.eq(before(own.pending_number)))
         .implies(order.ne(PROCEED)),
         statement="the order to proceed ends when the vehicle has surely reached the window of the pending stop")  # fmt: skip

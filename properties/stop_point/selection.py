@@ -23,7 +23,7 @@ def selection(model: StopPoint) -> Iterator[Property]:
 
 def _selects(model: StopPoint) -> Bool:
     """Return whether another stop is pending than before."""
-    return model.own.pending.ne(before(model.own.pending)) & (model.own.pending > 0)
+    return model.own.pending_number.ne(before(model.own.pending_number)) & (model.own.pending_number > 0)
 
 
 def _mapped(model: StopPoint, number: int) -> Bool:
@@ -34,8 +34,8 @@ def _mapped(model: StopPoint, number: int) -> Bool:
         & own.stop.eq(stop.position.value)
         & own.before.eq(stop.before)
         & own.after.eq(stop.after)
-        & own.selected.present
-        & own.selected.value.eq(number)
+        & own.selected_stop.present
+        & own.selected_stop.value.eq(number)
     )
 
 
@@ -44,14 +44,14 @@ def _as_the_map_has_it(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "the pending stop is the selected one of the map",
         all_of(
-            (_selects(model) & own.pending.eq(number)).implies(_mapped(model, number))
+            (_selects(model) & own.pending_number.eq(number)).implies(_mapped(model, number))
             for number in range(1, len(own.stops) + 1)
         ),
         statement="a stop that becomes pending is the one that the mission selects, with its place and window on the map",
     )
     yield for_all_inputs(
         "an order belongs to a stop",
-        ite(own.pending > 0, order.ne(NO_ORDER), order.eq(NO_ORDER)),
+        ite(own.pending_number > 0, order.ne(NO_ORDER), order.eq(NO_ORDER)),
         statement="the machine gives an order exactly while a stop is pending",
     )
 
@@ -73,13 +73,13 @@ def _kept(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "the stop stays after the brake order",
         (~ordered_before(model).one_of(NO_ORDER, PROCEED) & ~model.in_mode("IDLE")).implies(
-            all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after, own.pending))
+            all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after, own.pending_number))
         ),
         statement="after the brake order another selection no longer changes the stop",
     )
     yield for_all_inputs(
         "the stop moves only with another selection",
-        (own.pending.eq(before(own.pending))).implies(
+        (own.pending_number.eq(before(own.pending_number))).implies(
             all_of(var.eq(before(var)) for var in (own.stop, own.before, own.after))
         ),
         statement="while the same stop is pending, its place and window stay the same",
@@ -111,13 +111,15 @@ def _served(model: StopPoint) -> Iterator[Property]:
     own = model.own
     yield for_all_inputs(
         "a served stop is not selected at once again",
-        (_selects(model) & earlier_bool(model.in_mode("IDLE"))).implies(own.pending.ne(before(own.served))),
+        (_selects(model) & earlier_bool(model.in_mode("IDLE"))).implies(
+            own.pending_number.ne(before(own.served_number))
+        ),
         statement="a stop that was just served becomes pending again only after another selection, or none",
     )
     left = earlier_bool(~model.in_mode("APPROACH", "IDLE")) & model.in_mode("IDLE")
     yield for_all_inputs(
         "a stop that was left counts as served",
-        left.implies(own.served.eq(before(own.pending))),
+        left.implies(own.served_number.eq(before(own.pending_number))),
         statement="a stop that ended by departure or release counts as served",
     )
     yield for_all_inputs(
@@ -131,21 +133,21 @@ def _anew(model: StopPoint) -> Iterator[Property]:
     own = model.own
     yield for_all_inputs(
         "a stop begins anew",
-        _selects(model).implies(own.served.eq(0) & own.reason.eq(NO_REASON)),
+        _selects(model).implies(own.served_number.eq(0) & own.reason.eq(NO_REASON)),
         statement="when a stop becomes pending, no reason is shown, and the stop that was served before may be selected again",
     )
     yield for_all_inputs(
         "served is forgotten with the selection",
-        (model.in_mode("IDLE") & (~own.selected.present)
-         & earlier_bool(model.in_mode("APPROACH", "IDLE"))).implies(own.served.eq(0) | ~own.valid),
+        (model.in_mode("IDLE") & (~own.selected_stop.present)
+         & earlier_bool(model.in_mode("APPROACH", "IDLE"))).implies(own.served_number.eq(0) | ~own.valid),
         statement="with no stop selected, the stop that was served before may be selected again")  # fmt: skip
 
 
 def _selectable(model: StopPoint, number: int) -> Bool:
     own, stop = model.own, model.own.stops[number - 1]
     ends = exact_to(stop.position.value, NM) + exact_to(stop.after, NM)
-    named = own.selected.present & own.selected.value.eq(number) & stop.position.present
-    return named & own.valid & (foremost(own) <= ends) & before(own.served).ne(number)
+    named = own.selected_stop.present & own.selected_stop.value.eq(number) & stop.position.present
+    return named & own.valid & (foremost(own) <= ends) & before(own.served_number).ne(number)
 
 
 def _accepted(model: StopPoint) -> Iterator[Property]:
@@ -153,7 +155,7 @@ def _accepted(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "a stop ahead is selected",
         all_of(
-            (free & _selectable(model, number)).implies(own.pending.eq(number))
+            (free & _selectable(model, number)).implies(own.pending_number.eq(number))
             for number in range(1, len(own.stops) + 1)
         ),
         statement="a selected stop that is on the map, surely lies ahead and was not just served becomes pending",
@@ -167,8 +169,8 @@ def _waits(model: StopPoint) -> Bool:
 
 def _not_on_the_map(model: StopPoint) -> Bool:
     own = model.own
-    return own.selected.present & ~any_of(
-        stop.position.present & own.selected.value.eq(number) for number, stop in enumerate(own.stops, 1)
+    return own.selected_stop.present & ~any_of(
+        stop.position.present & own.selected_stop.value.eq(number) for number, stop in enumerate(own.stops, 1)
     )
 
 
@@ -186,17 +188,17 @@ def _behind(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "a stop that is not ahead is refused",
         all_of(
-            (waits & own.valid & ~unknown & own.selected.value.eq(number) & before(own.served).ne(number)
+            (waits & own.valid & ~unknown & own.selected_stop.value.eq(number) & before(own.served_number).ne(number)
              & (foremost(own) > exact_to(stop.position.value, NM) + exact_to(stop.after, NM)))
-            .implies(own.reason.eq(NOT_AHEAD) | ~own.selected.present)
+            .implies(own.reason.eq(NOT_AHEAD) | ~own.selected_stop.present)
             for number, stop in enumerate(own.stops, 1)
         ),
         statement="the machine refuses a selected stop that possibly lies behind, with that reason")  # fmt: skip
     yield for_all_inputs(
         "refused for lying behind only when it may",
         (own.reason.eq(NOT_AHEAD) & before(own.reason).ne(NOT_AHEAD)).implies(
-            own.valid & own.selected.present & any_of(
-                stop.position.present & own.selected.value.eq(number) & before(own.served).ne(number)
+            own.valid & own.selected_stop.present & any_of(
+                stop.position.present & own.selected_stop.value.eq(number) & before(own.served_number).ne(number)
                 & (foremost(own) > exact_to(stop.position.value, NM) + exact_to(stop.after, NM))
                 for number, stop in enumerate(own.stops, 1)
             )
@@ -210,6 +212,6 @@ def _unrefused(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "a pending stop is not refused",
         model.machine.output("order").eq(PROCEED).implies(~own.reason.one_of(UNKNOWN_STOP, NOT_AHEAD))
-        & (~own.selected.present & _waits(model)).implies(own.reason.eq(NO_REASON)),
+        & (~own.selected_stop.present & _waits(model)).implies(own.reason.eq(NO_REASON)),
         statement="the machine gives no reason for a refusal while the vehicle may proceed to a stop, or while none is selected",
     )

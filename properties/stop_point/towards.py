@@ -48,7 +48,7 @@ def _on(model: StopPoint) -> Iterator[Property]:
 def _proceeds(model: StopPoint) -> Bool:
     """Return whether the order is to proceed to a stop that was pending before: at its selection it may be too late to brake."""
     own = model.own
-    return model.machine.output("order").eq(PROCEED) & own.pending.eq(before(own.pending))
+    return model.machine.output("order").eq(PROCEED) & own.pending_number.eq(before(own.pending_number))
 
 
 def _brakes_for_the_window(model: StopPoint) -> Iterator[Property]:

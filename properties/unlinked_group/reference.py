@@ -74,18 +74,18 @@ def _told_of(model: UnlinkedGroup) -> Iterator[Property]:
 
 def _accuracy(model: UnlinkedGroup) -> Iterator[Property]:
     own, step, national = model.own, Step(model), model.own.national
-    in_force = ite(national.known, national.kept, as_num(own.config.default_accuracy_mm, MM))
+    in_force = ite(national.known, national.stored, as_num(own.config.default_accuracy_mm, MM))
     yield for_all_inputs(
         "the location accuracy is the national one",
         step.serves.implies(model.machine.output("location_accuracy_mm").eq(in_force)),
         statement="the location accuracy of an unlinked group is the national value when it is read, else the default: no linking "
         "gives one (SUBSET-026 3.6.4.1.3)",
     )
-    told = national.known & national.kept.eq(national.received.value)
-    as_before = national.kept.eq(earlier_num(national.kept)) & national.known.iff(earlier_bool(national.known))
+    told = national.known & national.stored.eq(national.national_accuracy.value)
+    as_before = national.stored.eq(earlier_num(national.stored)) & national.known.iff(earlier_bool(national.known))
     yield for_all_inputs(
         "a national value stays",
-        ite(national.received.present, told, as_before),
+        ite(national.national_accuracy.present, told, as_before),
         statement="a national location accuracy is in force from its reception on, until another one is received",
     )
 

@@ -75,21 +75,25 @@ def _identity(model: Verification) -> Iterator[Property]:
     now = trusted & machine.output("verified_cycles_ago").eq(0)
     yield under_assumption(
         "verified count is the train's",
-        (now & machine.flag("verified_count")).implies(own.axles.eq(own.kept_count)),
+        (now & machine.flag("verified_count")).implies(own.axles.eq(own.stored_axles)),
         statement="in a cycle verified by count, the followed train had as many axles as the counter counted, at the "
         "moment to which the count refers: identity",
     )
     yield under_assumption(
         "verified length is the train's",
         (now & machine.flag("verified_length")).implies(
-            between(exact_to(own.kept_low, UM) - tolerance, own.length, exact_to(own.kept_high, UM) + tolerance)
+            between(
+                exact_to(own.stored_length_low, UM) - tolerance,
+                own.length,
+                exact_to(own.stored_length_high, UM) + tolerance,
+            )
         ),
         statement="in a cycle verified by length, the train's length agrees with the counter's within both tolerances",
     )
-    counted = own.associated & own.seen_count.present
+    counted = own.associated & own.fibre_axles.present
     yield under_assumption(
         "another train is withheld",
-        (counted & own.axles.ne(own.kept_count)).implies(~trusted),
+        (counted & own.axles.ne(own.stored_axles)).implies(~trusted),
         statement="in a cycle in which the fibre counts a train with another number of axles, the train is not trusted: it "
         "is another train, or has lost a wagon",
         requirements=(*CLAIM, *STAY),
@@ -103,20 +107,20 @@ def _age(model: Verification) -> Iterator[Property]:
     mode, trusted = machine.mode, machine.flag("trusted")
     yield for_all_inputs(
         "trusted is currently verified",
-        trusted.implies((own.age <= own.config.currency_cycles) & (own.by_count | own.by_length)),
+        trusted.implies((own.verified_ago <= own.config.currency_cycles) & (own.by_count | own.by_length)),
         statement="a train is trusted only with a verification by count or length within the last currency_cycles",
     )
     yield for_all_inputs(
         "trust begins with a verification",
-        (trusted & before(mode).ne(trusted_mode)).implies(own.age.eq(0) & _verified_now(own)),
+        (trusted & before(mode).ne(trusted_mode)).implies(own.verified_ago.eq(0) & _verified_now(own)),
         statement="a position is trusted again only in a cycle in which count or length was determined and matched",
         requirements=CLAIM,
     )
     follows = before(mode).one_of(withheld, trusted_mode) & mode.one_of(withheld, trusted_mode)
-    older = ite(own.due, own.age.high, minimum(before(own.age) + 1, own.age.high))
+    older = ite(own.due, own.verified_ago.high, minimum(before(own.verified_ago) + 1, own.verified_ago.high))
     yield for_all_inputs(
         "the age of a verification is counted",
-        follows.implies(own.age.eq(ite(_verified_now(own), 0, older))),
+        follows.implies(own.verified_ago.eq(ite(_verified_now(own), 0, older))),
         statement="a verification is as old as the cycles since the last one in which count or length was determined and matched",
     )
 
@@ -130,13 +134,13 @@ def _latch(model: Verification) -> Iterator[Property]:
     yield for_all_inputs(
         "mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(
-            own.leaves | (own.due & own.sound & own.source.ne(v.NOBODY) & (own.record_count > 0))
+            own.leaves | (own.due & own.sound & own.reference_from.ne(v.NOBODY) & (own.record_axles > 0))
         ),
         statement="an untrusted train changes its state only by an accepted reference, or by leaving",
     )
     yield for_all_inputs(
         "the first reason stays stored",
-        (was_untrusted & mode.eq(untrusted)).implies(own.reason.eq(before(own.reason))),
+        (was_untrusted & mode.eq(untrusted)).implies(own.why.eq(before(own.why))),
         statement="the first reason stays until the train is trusted again or gone",
         requirements=COURSE,
     )
@@ -155,7 +159,7 @@ def _withheld(model: Verification) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a reason is reported",
-        mode.one_of(none, withheld, untrusted).implies(own.reason.ne(v.VERIFIED)),
+        mode.one_of(none, withheld, untrusted).implies(own.why.ne(v.VERIFIED)),
         statement="every train that is not trusted has a reason",
         requirements=COURSE,
     )
@@ -183,15 +187,15 @@ def _given_out(model: Verification) -> Iterator[Property]:
     given_out = since(believed & ~own.due, trusted)
     yield for_all_inputs(
         "the machine stores that a position was reported",
-        believed.implies(own.given.iff(given_out))
-        & (was_untrusted & mode.eq(untrusted)).implies(own.given.iff(was(own.given))),
+        believed.implies(own.given_out.iff(given_out))
+        & (was_untrusted & mode.eq(untrusted)).implies(own.given_out.iff(was(own.given_out))),
         statement="while the train is withheld, the machine remembers that a position was reported, from the last trusted "
         "cycle on, until another reference comes; and once the train is untrusted, until that ends",
         requirements=(*CLAIM, *COURSE),
     )
     yield for_all_inputs(
         "a reported position is revoked after a pause too",
-        (before(mode).eq(withheld) & mode.eq(untrusted)).implies(machine.flag("revoked").iff(was(own.given))),
+        (before(mode).eq(withheld) & mode.eq(untrusted)).implies(machine.flag("revoked").iff(was(own.given_out))),
         statement="a mismatch of a train that is withheld for the time being revokes the position that was reported "
         "before, if there was one",
         requirements=(*CLAIM, *COURSE),
@@ -213,13 +217,13 @@ def _unusable(own: Parts) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
     """Return the missing or faulty inputs of a cycle, in words."""
     unusable: dict[str, tuple[Bool, str, tuple[str, ...]]] = {
         "not associated": (~own.associated, "a pattern that belongs to no known train", CLAIM),
-        "not located": (~own.located | ~own.place.present, "a missing interval", CLAIM),
+        "not located": (~own.located | ~own.fibre_position.present, "a missing interval", CLAIM),
         "fibre error": (own.fibre_error, "an error signal F of the fibre machine", CLAIM),
     }
     if own.config.needs_emitter:
         unusable["chain failed"] = (own.chain_failed | ~own.chain_tested, "a chain that is not tested", EMITTER)
     if own.config.needs_control_data:
-        silent = ~own.control_count.present & ~own.control_length.present
+        silent = ~own.control_axles.present & ~own.control_length.present
         unusable["control data missing"] = (silent, "train control data that do not come", CONTROL)
     return unusable
 
@@ -227,19 +231,22 @@ def _unusable(own: Parts) -> dict[str, tuple[Bool, str, tuple[str, ...]]]:
 def _control(model: Verification) -> Iterator[Property]:
     """Claim the conditions under which train control data count as verified."""
     machine, own = model.machine, model.own
-    silent = ~own.control_count.present & ~own.control_length.present
+    silent = ~own.control_axles.present & ~own.control_length.present
     yield for_all_inputs(
         "silence is no success",
-        (silent & own.by_control).implies(was(own.by_control)),
+        (silent & own.by_control_data).implies(was(own.by_control_data)),
         statement="train control data count as verified only if they came and matched",
         requirements=CONTROL,
     )
-    came, new_control = own.control_count.present | own.control_length.present, own.by_control & ~was(own.by_control)
-    agrees = own.control_count.present.implies(own.control_count.value.eq(own.kept_count))
+    came, new_control = (
+        own.control_axles.present | own.control_length.present,
+        own.by_control_data & ~was(own.by_control_data),
+    )
+    agrees = own.control_axles.present.implies(own.control_axles.value.eq(own.stored_axles))
     believed = machine.mode.one_of(*machine.modes[1:3])
     yield for_all_inputs(
         "train control is listed where it agreed",
-        new_control.implies(agrees & came) & (believed & came).implies(own.by_control),
+        new_control.implies(agrees & came) & (believed & came).implies(own.by_control_data),
         statement="train control data are listed as verified from the first cycle on in which they came and agreed",
         requirements=CONTROL,
     )
@@ -249,8 +256,8 @@ def _record(model: Verification) -> Iterator[Property]:
     """Claim the conditions of an accepted record."""
     machine, own = model.machine, model.own
     mode = machine.mode
-    kept = (own.kept_count, own.kept_low, own.kept_high)
-    record = (own.record_count, own.record_low, own.record_high)
+    kept = (own.stored_axles, own.stored_length_low, own.stored_length_high)
+    record = (own.record_axles, own.record_length_low, own.record_length_high)
     known = machine.flag("trusted") | mode.eq(machine.modes[1])
     same = all_of(one.eq(before(one)) for one in kept)
     new = all_of(one.eq(told) for one, told in zip(kept, record, strict=True))
@@ -263,7 +270,7 @@ def _record(model: Verification) -> Iterator[Property]:
     recent = own.record_age <= own.config.reference_age_limit_cycles
     yield for_all_inputs(
         "only sound references",
-        (own.due & known).implies(own.sound & recent & own.source.ne(v.NOBODY) & (own.record_count > 0)),
+        (own.due & known).implies(own.sound & recent & own.reference_from.ne(v.NOBODY) & (own.record_axles > 0)),
         statement="a record that is disturbed, old, empty or did not come is not accepted",
         requirements=(*COUNTED, *STAY),
     )
@@ -276,7 +283,7 @@ def _missing(model: Verification) -> Iterator[Property]:
     mode = machine.mode
     yield for_all_inputs(
         "a lost hand-over is untrusted",
-        (own.due & own.source.eq(v.NOBODY) & ~own.leaves).implies(mode.eq(machine.modes[3])),
+        (own.due & own.reference_from.eq(v.NOBODY) & ~own.leaves).implies(mode.eq(machine.modes[3])),
         statement="a train for which no reference came when it was due is untrusted in the same cycle",
         requirements=("FVA-D1", *STAY),
     )
@@ -291,14 +298,16 @@ def _missing(model: Verification) -> Iterator[Property]:
 def _at_entry(model: Verification) -> Iterator[Property]:
     """Claim that place and speed are compared in the cycle of the record only."""
     own = model.own
-    at_entry = own.reason.one_of(v.SPEED_AT_ENTRY, v.PLACE_AT_ENTRY)
+    at_entry = own.why.one_of(v.SPEED_AT_ENTRY, v.PLACE_AT_ENTRY)
     yield for_all_inputs(
         "place and speed at entry only",
-        (at_entry & own.reason.ne(before(own.reason))).implies(own.due & own.source.eq(v.AXLE_COUNTER)),
+        (at_entry & own.why.ne(before(own.why))).implies(own.due & own.reference_from.eq(v.AXLE_COUNTER)),
         statement="place and speed are compared with the record only in its own cycle, and never later",
         requirements=ENTRY,
     )
-    newly = (own.by_speed & ~was(own.by_speed)) | (own.by_place & ~was(own.by_place))
+    newly = (own.by_speed_at_entry & ~was(own.by_speed_at_entry)) | (
+        own.by_place_at_entry & ~was(own.by_place_at_entry)
+    )
     yield for_all_inputs(
         "verified at entry in that cycle",
         newly.implies(own.due & own.associated),
@@ -309,9 +318,9 @@ def _at_entry(model: Verification) -> Iterator[Property]:
 
 def _verified_now(own: Parts) -> Bool:
     """Return the condition that count or length was determined of the train's own pattern, and is the record's."""
-    tolerance, length = own.config.length_tolerance_mm, own.seen_length
-    count = own.seen_count.present & own.seen_count.value.eq(own.kept_count)
-    near = (length.value + tolerance >= own.kept_low) & (length.value - tolerance <= own.kept_high)
+    tolerance, length = own.config.length_tolerance_mm, own.fibre_length
+    count = own.fibre_axles.present & own.fibre_axles.value.eq(own.stored_axles)
+    near = (length.value + tolerance >= own.stored_length_low) & (length.value - tolerance <= own.stored_length_high)
     return own.associated & (count | (length.present & near))
 
 
@@ -320,7 +329,9 @@ def _handed_over(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     length = machine.output("handover_length_low_mm"), machine.output("handover_length_high_mm")
     handed_over = (
-        machine.output("handover_axles").eq(own.kept_count) & length[0].eq(own.kept_low) & length[1].eq(own.kept_high)
+        machine.output("handover_axles").eq(own.stored_axles)
+        & length[0].eq(own.stored_length_low)
+        & length[1].eq(own.stored_length_high)
     )
     yield for_all_inputs(
         "the record is handed over",
@@ -339,7 +350,7 @@ def _handed_over(model: Verification) -> Iterator[Property]:
 def _reached(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     yield reachable("trusted", machine.flag("trusted"), statement="a train can be trusted", requirements=CLAIM)
-    both = any_of([own.by_speed & own.by_place & own.by_count & own.by_length])
+    both = any_of([own.by_speed_at_entry & own.by_place_at_entry & own.by_count & own.by_length])
     yield reachable(
         "all verified", machine.flag("trusted") & both, statement="all parameters can be verified", requirements=ENTRY
     )

@@ -44,7 +44,7 @@ class Abilities:
     @cached_property
     def changes(self) -> tuple[Num, Num]:
         """Greatest decrease and increase of the speed in the cycle, um/s; the direction of running may be uncertain."""
-        slower, faster = before(self.own.slower), before(self.own.faster)
+        slower, faster = before(self.own.slower_by), before(self.own.faster_by)
         both = maximum(self._traction, self._brake)
         up, down = self.last >= both + slower, self.last + both <= -faster
         less = ite(up, self._brake, ite(down, self._traction, both))
@@ -55,7 +55,7 @@ class Abilities:
     def since_last(self) -> tuple[Num, Num]:
         """Greatest decrease and increase of the speed since the last reading, after the cycle, um/s."""
         less, more = self.changes
-        return less + before(self.own.slower), more + before(self.own.faster)
+        return less + before(self.own.slower_by), more + before(self.own.faster_by)
 
     def exceeded_by(self, speed: Num) -> Bool:
         """Return the condition that the train cannot have this speed, even if both readings are off by all of their tolerance."""
@@ -86,11 +86,11 @@ def _speed_bounds(model: Verification) -> Iterator[Property]:
     _, withheld, trusted, _ = machine.modes
     follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
     less, more = Abilities(own).changes
-    seen, cap = own.associated & own.seen_speed.present, own.slower.high
-    slower, faster = minimum(before(own.slower) + less, cap), minimum(before(own.faster) + more, cap)
+    seen, cap = own.associated & own.fibre_speed.present, own.slower_by.high
+    slower, faster = minimum(before(own.slower_by) + less, cap), minimum(before(own.faster_by) + more, cap)
     yield for_all_inputs(
         "speed is bounded by the train's abilities",
-        follows.implies(own.slower.eq(ite(seen, 0, slower)) & own.faster.eq(ite(seen, 0, faster))),
+        follows.implies(own.slower_by.eq(ite(seen, 0, slower)) & own.faster_by.eq(ite(seen, 0, faster))),
         statement="without a speed reading its bounds grow by brake and traction, by the brakes that train control reports "
         "if it does; with a reading they begin anew",
     )
@@ -100,12 +100,12 @@ def _reach(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
     follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
-    placed = own.associated & own.located & own.place.present
-    grown = exact_to(own.reach - before(own.reach), NM) - Abilities(own).run_nm
-    widened = between(0, grown, Lit(999_999, NM)) | own.reach.eq(own.reach.high)
+    placed = own.associated & own.located & own.fibre_position.present
+    grown = exact_to(own.reach_since - before(own.reach_since), NM) - Abilities(own).run_nm
+    widened = between(0, grown, Lit(999_999, NM)) | own.reach_since.eq(own.reach_since.high)
     yield for_all_inputs(
         "reach grows by the fastest run",
-        follows.implies(ite(placed, own.reach.eq(0), widened)),
+        follows.implies(ite(placed, own.reach_since.eq(0), widened)),
         statement="without a place the possible distance of the front grows by the run of the cycle at its greatest speed, "
         "rounded up to a millimetre",
     )
@@ -115,12 +115,12 @@ def _last_readings(model: Verification) -> Iterator[Property]:
     machine, own = model.machine, model.own
     _, withheld, trusted, _ = machine.modes
     follows = before(machine.mode).one_of(withheld, trusted) & machine.mode.one_of(withheld, trusted)
-    seen = own.associated & own.seen_speed.present
-    placed = own.associated & own.located & own.place.present
+    seen = own.associated & own.fibre_speed.present
+    placed = own.associated & own.located & own.fibre_position.present
     last = [
-        (own.associated & own.seen_length.present, own.last_length, own.seen_length, own.length_known),
-        (seen, own.last_speed, own.seen_speed, own.speed_known),
-        (placed, own.last_place, own.place, own.place_known),
+        (own.associated & own.fibre_length.present, own.last_length, own.fibre_length, own.length_known),
+        (seen, own.last_speed, own.fibre_speed, own.speed_known),
+        (placed, own.last_place, own.fibre_position, own.place_known),
     ]
     for given, kept, told, known in last:
         yield for_all_inputs(

@@ -76,7 +76,7 @@ class Figures:
     @property
     def at_counter(self) -> Bool:
         """The cycle of a counter's record."""
-        return self.own.due & self.own.source.eq(AXLE_COUNTER)
+        return self.own.due & self.own.reference_from.eq(AXLE_COUNTER)
 
 
 def properties(model: Verification, train: Doubted) -> list[Property]:
@@ -143,8 +143,8 @@ def _course(figures: Figures) -> Iterator[Property]:
     own, (low, high) = figures.own, figures.interval_nm
     was_trusted = before(figures.model.machine.mode).eq(figures.model.machine.modes[2])
     last_low, last_high = (
-        exact_to(before(own.front) - before(own.front_below), NM),
-        exact_to(before(own.front) + before(own.front_above), NM),
+        exact_to(before(own.front) - before(own.front_margin_below), NM),
+        exact_to(before(own.front) + before(own.front_margin_above), NM),
     )
     truth_before = before(own.truth)
     step = Lit(own.config.jump_mm * 1_000_000 + figures.runs_nm, NM)
@@ -165,15 +165,15 @@ def _course(figures: Figures) -> Iterator[Property]:
 def _values(figures: Figures) -> Iterator[Property]:
     """Claim that wrong readings of count, length and ends are withheld."""
     own, trusted = figures.own, figures.trusted
-    counted = own.associated & own.seen_count.present
+    counted = own.associated & own.fibre_axles.present
     yield _whatever_the_fibre_tells(
         "a wrong count withholds",
-        (trusted & counted).implies(own.axles.eq(own.seen_count.value)),
+        (trusted & counted).implies(own.axles.eq(own.fibre_axles.value)),
         statement="a wrong count withdraws the position in the same cycle, also if other measurements are wrong",
     )
     yield _whatever_the_fibre_tells(
         "a wrong length withholds",
-        (trusted & own.associated & own.seen_length.present).implies(_long(figures, own.seen_length.value)),
+        (trusted & own.associated & own.fibre_length.present).implies(_long(figures, own.fibre_length.value)),
         statement="a length that is farther from the train's than the tolerance and the spread of the record withholds in the "
         "same cycle",
     )
@@ -192,7 +192,7 @@ def _values(figures: Figures) -> Iterator[Property]:
 def _control(figures: Figures) -> Iterator[Property]:
     """Claim that wrong data from train control are withheld."""
     own, trusted = figures.own, figures.trusted
-    stated = own.control_count.present.implies(own.axles.eq(own.control_count.value))
+    stated = own.control_axles.present.implies(own.axles.eq(own.control_axles.value))
     long = own.control_length.present.implies(_long(figures, own.control_length.value))
     yield _whatever_the_fibre_tells(
         "wrong data by train control withhold",
@@ -207,7 +207,7 @@ def _speed(figures: Figures) -> Iterator[Property]:
     own, trusted = figures.own, figures.trusted
     yield _whatever_the_fibre_tells(
         "a speed at the counter",
-        all_of([figures.at_counter, trusted, own.seen_speed.present]).implies(_fast(figures)),
+        all_of([figures.at_counter, trusted, own.fibre_speed.present]).implies(_fast(figures)),
         statement="in the cycle of a counter's record the fibre's speed is no farther from the train's than the width of "
         "the record's speed, the speed tolerance, and twice the change by traction or brakes for each cycle that "
         "the record is old",
@@ -227,7 +227,7 @@ def _fast(figures: Figures) -> Bool:
     twice = change + (change + 999) // 1_000 * 1_000
     wide = exact_to(own.record_speed_high - own.record_speed_low, UM_S) + config.speed_tolerance_mm_s * 1_000
     slack = wide + with_unit(own.record_age * twice, UM_S)
-    return between(-slack, exact_to(own.seen_speed.value, UM_S) - figures.train.speed, slack)
+    return between(-slack, exact_to(own.fibre_speed.value, UM_S) - figures.train.speed, slack)
 
 
 # ------------------------------------------------------------------ time to withdrawal
@@ -237,7 +237,7 @@ def _cycles(figures: Figures) -> Iterator[Property]:
     own, trusted, train = figures.own, figures.trusted, figures.train
     yield _whatever_the_fibre_tells(
         "a fibre without right count or length withholds",
-        trusted.implies(train.untold_for <= own.config.currency_cycles),
+        trusted.implies(train.since_confirmed <= own.config.currency_cycles),
         statement="a train of which the fibre reports neither a right count nor a right length is withheld within "
         "currency_cycles and one cycle",
     )
@@ -281,7 +281,10 @@ def _of_this_train(figures: Figures) -> Iterator[Property]:
     yield _whatever_the_fibre_tells(
         "a pattern of nobody",
         figures.trusted.implies(
-            own.associated & own.located & own.place.present & machine.output("position_mm").eq(own.place.value)
+            own.associated
+            & own.located
+            & own.fibre_position.present
+            & machine.output("position_mm").eq(own.fibre_position.value)
         ),
         statement="the reported position is the place that the fibre reports in that cycle for a pattern of this train, "
         "and of no other",

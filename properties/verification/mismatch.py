@@ -106,7 +106,7 @@ def properties(model: Verification) -> Iterator[Property]:
     newly = before(mode).ne(untrusted) & mode.eq(untrusted)
     yield for_all_inputs(
         "a train is untrusted only for the reported reason",
-        newly.implies(compared & any_of(own.reason.eq(reason) & one for reason, one in may.items())),
+        newly.implies(compared & any_of(own.why.eq(reason) & one for reason, one in may.items())),
         statement="a train becomes untrusted only by a mismatch of that cycle, and the reason names it",
         requirements=COURSE,
     )
@@ -130,25 +130,25 @@ def mismatches(own: Parts, was_known: Bool, least_mm: int) -> dict[Lit, Bool]:
 
 def _of_record(own: Parts, was_known: Bool) -> dict[Lit, Bool]:
     """Return the mismatches of a record: it did not come, is unusable, or contradicts the stored one."""
-    config, came = own.config, own.due & own.source.one_of(v.AXLE_COUNTER, v.NEIGHBOUR)
+    config, came = own.config, own.due & own.reference_from.one_of(v.AXLE_COUNTER, v.NEIGHBOUR)
     old = own.record_age > config.reference_age_limit_cycles
-    crossed = own.record_high < own.record_low
+    crossed = own.record_length_high < own.record_length_low
     other = [
-        own.record_count.ne(before(own.kept_count)),
-        before(own.kept_low) > own.record_high,
-        before(own.kept_high) < own.record_low,
+        own.record_axles.ne(before(own.stored_axles)),
+        before(own.stored_length_low) > own.record_length_high,
+        before(own.stored_length_high) < own.record_length_low,
     ]
     return {
-        v.REFERENCE_LOST: own.due & own.source.eq(v.NOBODY),
-        v.REFERENCE_REFUSED: came & any_of([~own.sound, old, own.record_count.eq(0), crossed]),
+        v.REFERENCE_LOST: own.due & own.reference_from.eq(v.NOBODY),
+        v.REFERENCE_REFUSED: came & any_of([~own.sound, old, own.record_axles.eq(0), crossed]),
         v.REFERENCE_CONTRADICTS: was_known & any_of(came & one for one in other),
     }
 
 
 def _against(own: Parts, differs: Callable[[Num, Num, Num], Bool]) -> Bool:
     """Return the condition that a reading differs from the record that is due, or else from the stored one."""
-    told = differs(own.record_count, own.record_low, own.record_high)
-    kept = differs(before(own.kept_count), before(own.kept_low), before(own.kept_high))
+    told = differs(own.record_axles, own.record_length_low, own.record_length_high)
+    kept = differs(before(own.stored_axles), before(own.stored_length_low), before(own.stored_length_high))
     return (own.due & told) | (~own.due & kept)
 
 
@@ -172,10 +172,10 @@ def _of_parameters(own: Parts) -> dict[Lit, Bool]:
         ),
     )
     return {
-        v.COUNT_DIFFERS: own.associated & own.seen_count.present & count(own.seen_count.value),
-        v.LENGTH_DIFFERS: own.associated & own.seen_length.present & length(own.seen_length.value),
+        v.COUNT_DIFFERS: own.associated & own.fibre_axles.present & count(own.fibre_axles.value),
+        v.LENGTH_DIFFERS: own.associated & own.fibre_length.present & length(own.fibre_length.value),
         v.ENDS_APART: apart | all_of([near.present, far.present, near.value > far.value]),
-        v.CONTROL_COUNT: own.control_count.present & count(own.control_count.value),
+        v.CONTROL_COUNT: own.control_axles.present & count(own.control_axles.value),
         v.CONTROL_LENGTH: own.control_length.present & length(own.control_length.value),
     }
 
@@ -186,15 +186,15 @@ def _of_parameters(own: Parts) -> dict[Lit, Bool]:
 def _at_counter(own: Parts) -> dict[Lit, Bool]:
     """Return the mismatches of speed and place in the cycle of the record."""
     config = own.config
-    here = own.associated & own.due & own.source.eq(v.AXLE_COUNTER)
+    here = own.associated & own.due & own.reference_from.eq(v.AXLE_COUNTER)
     most = -(-max(config.traction_mm_s2, config.brake_mm_s2) * config.period_ms // 1_000)
     run = -(-config.max_speed_mm_s * config.period_ms // 1_000)
     changed, ran = with_unit(own.record_age * most, MM_S), with_unit(own.record_age * run, MM)
-    speed, place = own.seen_speed, own.place
+    speed, place = own.fibre_speed, own.fibre_position
     less, more = own.record_speed_low - speed.value, speed.value - own.record_speed_high
     off = (less - config.speed_tolerance_mm_s > changed) | (more - config.speed_tolerance_mm_s > changed)
-    beyond = place.value - own.record_place_high - own.place_below - config.place_tolerance_mm > ran
-    short = own.record_place_low - place.value - own.place_above - config.place_tolerance_mm > ran
+    beyond = place.value - own.record_place_high - own.fibre_margin_below - config.place_tolerance_mm > ran
+    short = own.record_place_low - place.value - own.fibre_margin_above - config.place_tolerance_mm > ran
     return {
         v.SPEED_AT_ENTRY: here & speed.present & off,
         v.PLACE_AT_ENTRY: here & own.located & place.present & (beyond | short),
@@ -206,12 +206,12 @@ def _at_counter(own: Parts) -> dict[Lit, Bool]:
 
 def _of_course(own: Parts, least_mm: int) -> dict[Lit, Bool]:
     """Return the mismatches of length, speed and place with the last readings."""
-    length, speed, able = own.seen_length, own.seen_speed, Abilities(own)
+    length, speed, able = own.fibre_length, own.fibre_speed, Abilities(own)
     change = abs_(before(own.last_length) - length.value)
-    run, place = own.place.value - before(own.last_place), own.place
+    run, place = own.fibre_position.value - before(own.last_place), own.fibre_position
     reach = able.run_nm + Lit((own.config.jump_mm + least_mm) * 1_000_000, NM)
-    above = _nm(run - before(own.reach) - before(own.front_above) - own.place_below)
-    below = _nm(-run - before(own.reach) - before(own.front_below) - own.place_above)
+    above = _nm(run - before(own.reach_since) - before(own.front_margin_above) - own.fibre_margin_below)
+    below = _nm(-run - before(own.reach_since) - before(own.front_margin_below) - own.fibre_margin_above)
     jump = (above >= reach) | (below >= reach) if least_mm else (above > reach) | (below > reach)
     return {
         v.LENGTH_CHANGED: own.associated

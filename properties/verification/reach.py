@@ -38,10 +38,10 @@ def _in_doubt(own: Parts) -> Bool:
 
 def beyond_reach(own: Parts) -> Bool:
     """Return the condition that the fibre's interval lies beyond the bounds by more than the tolerance, while these can be used."""
-    (low, high), place, tolerance = _reached_um(own), own.place, own.config.place_tolerance_mm * 1_000
+    (low, high), place, tolerance = _reached_um(own), own.fibre_position, own.config.place_tolerance_mm * 1_000
     there = own.associated & own.located & place.present & ~_in_doubt(own)
-    above = exact_to(place.value - own.place_below, UM) > high + tolerance
-    return there & (above | (exact_to(place.value + own.place_above, UM) < low - tolerance))
+    above = exact_to(place.value - own.fibre_margin_below, UM) > high + tolerance
+    return there & (above | (exact_to(place.value + own.fibre_margin_above, UM) < low - tolerance))
 
 
 def properties(model: Verification) -> Iterator[Property]:

@@ -28,9 +28,9 @@ def first_breach(motion: Motion, law: ErrorFigures, unit: Distances) -> Breach |
     """
     half = law.constant_mm * NM_PER_MM // 2
     moved = np.diff(unit.wander_nm, prepend=np.int64(0))
-    drift = np.abs(motion.step_nm - unit.step_mm * NM_PER_MM - moved)
+    drift = np.abs(motion.distance_nm - unit.distance_mm * NM_PER_MM - moved)
     knee = law.knee_mm_s * motion.period_ms // 1000
-    growth = np.maximum(np.abs(unit.step_mm) - knee, 0) * law.rate_ppm + law.floor_mm_s * motion.period_ms * 1000
+    growth = np.maximum(np.abs(unit.distance_mm) - knee, 0) * law.rate_ppm + law.floor_mm_s * motion.period_ms * 1000
     off = np.where(unit.present, drift, np.abs(moved))
     allowed = np.where(unit.present, growth, 0)
     strays = np.abs(unit.wander_nm) > half

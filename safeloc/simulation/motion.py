@@ -51,7 +51,7 @@ class Motion:
     start_nm: int
 
     @property
-    def step_nm(self) -> NDArray[np.int64]:
+    def distance_nm(self) -> NDArray[np.int64]:
         """The true distance of every cycle, nm."""
         return np.diff(self.position_nm, prepend=np.int64(self.start_nm))
 

@@ -28,7 +28,7 @@ def records(motion: Motion, units: Sequence[Distances], readings: Sequence[Readi
 def _distance(unit: Distances, cycle: int, time_ms: int) -> DistanceRecord:
     end, _, kind = unit.name.partition("_")
     return DistanceRecord(
-        time_ms=time_ms, end="front" if end == "front" else "rear", unit=kind, step_mm=int(unit.step_mm[cycle])
+        time_ms=time_ms, end="front" if end == "front" else "rear", unit=kind, distance_mm=int(unit.distance_mm[cycle])
     )
 
 

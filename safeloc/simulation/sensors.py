@@ -67,7 +67,7 @@ class Distances:
     """
 
     name: str
-    step_mm: NDArray[np.int64]
+    distance_mm: NDArray[np.int64]
     present: NDArray[np.bool_]
     wander_nm: NDArray[np.int64]
     more_nm: NDArray[np.int64] | None = None
@@ -80,12 +80,12 @@ class Distances:
     def as_column(self) -> Distances:
         """The measurements of one run as those of many."""
         more = None if self.more_nm is None else self.more_nm[:, None]
-        return Distances(self.name, self.step_mm[:, None], self.present[:, None], self.wander_nm[:, None], more)
+        return Distances(self.name, self.distance_mm[:, None], self.present[:, None], self.wander_nm[:, None], more)
 
     def of(self, run: int) -> Distances:
         """Return the measurements of one of many runs."""
         more = None if self.more_nm is None else self.more_nm[:, run]
-        return Distances(self.name, self.step_mm[:, run], self.present[:, run], self.wander_nm[:, run], more)
+        return Distances(self.name, self.distance_mm[:, run], self.present[:, run], self.wander_nm[:, run], more)
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def measure(
 
     InputError for a fault that no unit has.
     """
-    true = motion.step_nm[:, None]
+    true = motion.distance_nm[:, None]
     return measure_many(
         name, true, motion.period_ms, law, [rng], dropout=[dropout], severity=[severity], faults=[faults]
     ).of(0)

@@ -23,9 +23,9 @@ def test_both_ways_are_timed() -> None:
 
 def test_a_drive_that_breaks_a_law_is_no_measure() -> None:
     """The slow way of telling a breach is not what is measured."""
-    said = {"kind": "distance", "end": "rear", "unit": "radar", "step_mm": 0}
+    said = {"kind": "distance", "end": "rear", "unit": "radar", "distance_mm": 0}
     late = [
-        {"kind": "distance", "time_ms": 500, "end": "front", "unit": "wheel", "step_mm": 0},
+        {"kind": "distance", "time_ms": 500, "end": "front", "unit": "wheel", "distance_mm": 0},
         {**said, "time_ms": 300},
     ]
     lines = [json.dumps({"number": number, **one}).encode() + b"\n" for number, one in enumerate(late, 1)]

@@ -45,19 +45,19 @@ def test_every_example_is_tried() -> None:
 def test_pictures_streams_and_certificates_are_written(call: Call, tmp_path: Path) -> None:
     """The stream replays and breaks the claim; the picture has the band; certificates are those of the proved claim."""
     out = tmp_path / "out"
-    ask = ("prove", NEAR, "--simulate", "seed=0", "--within", "step_mm=10", "--out", str(out))
+    ask = ("prove", NEAR, "--simulate", "seed=0", "--within", "distance_mm=10", "--out", str(out))
     assert call(*ask, "--claim", "place_mm <= 600", "--claim", "place_mm <= 1000").code == 1
     assert 'class="band"' in (out / "tube-place-mm.svg").read_text()
     assert list((out / "certificates").glob("*.smt2"))
     rows = [json.loads(line) for line in (out / "place-mm----600.jsonl").read_text().splitlines()[1:]]
-    assert sum(row["step_mm"] for row in rows) > 600
+    assert sum(row["distance_mm"] for row in rows) > 600
     assert call("replay", NEAR, str(out / "place-mm----600.jsonl")).code in (0, 3)
 
 
 def test_results_as_json(call: Call) -> None:
     """The schema is that of all results."""
     called = call(
-        "prove", NEAR, "--simulate", "seed=0", "--within", "step_mm=1", "--claim", "place_mm <= 550", "--json"
+        "prove", NEAR, "--simulate", "seed=0", "--within", "distance_mm=1", "--claim", "place_mm <= 550", "--json"
     )
     [row] = json.loads(called.out)["results"]
     assert (row["id"], row["verdict"], row["depth"]) == ("near/around simulated seed=0/place_mm <= 550", "proved", 50)
@@ -66,9 +66,9 @@ def test_results_as_json(call: Call) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--within", "step_mm=2"], "--within speaks of streams near one: give it with --around or --simulate."),
-        (["--simulate", "seed=0", "--within", "step_mm=x"], "--within 'step_mm=x': expected NAME=NUMBER"),
-        (["--simulate", "seed=0", "--within", "step_mm=1,step_mm=2"], "--within: step_mm is given twice."),
+        (["--within", "distance_mm=2"], "--within speaks of streams near one: give it with --around or --simulate."),
+        (["--simulate", "seed=0", "--within", "distance_mm=x"], "--within 'distance_mm=x': expected NAME=NUMBER"),
+        (["--simulate", "seed=0", "--within", "distance_mm=1,distance_mm=2"], "--within: distance_mm is given twice."),
         (["--simulate", "sead=0"], "--simulate: no setting 'sead'; there are line, seed, faults, vehicle. Did you mean 'seed'?"),
         (["--simulate", "line="], "--simulate line=: there is no value behind it; give one, or leave it out."),
         (["--simulate", "line=fig3"], "no machine 'near' to drive on a line; there are odometry, balise"),
@@ -104,7 +104,7 @@ def test_a_vehicle_on_a_line(call: Call, tmp_path: Path) -> None:
 
 def test_a_claim_is_proved_up_to_the_last_cycle_in_which_it_is_judged(call: Call) -> None:
     """The cycles after --until are not run."""
-    words = ("prove", NEAR, "--simulate", "seed=0", "--within", "step_mm=1", "--claim", "place_mm <= 220", "--json")
+    words = ("prove", NEAR, "--simulate", "seed=0", "--within", "distance_mm=1", "--claim", "place_mm <= 220", "--json")
     [row] = json.loads(call(*words, "--until", "20").out)["results"]
     assert (row["verdict"], row["depth"]) == ("proved", 20)
 
@@ -127,7 +127,7 @@ def test_recordings_that_ship(call: Call, machine: str, stream: str, within: str
 def test_a_ghost_needs_a_recorded_truth(call: Call, tmp_path: Path) -> None:
     """A stream without the truth cannot hold a ghost near it."""
     stream = tmp_path / "measured.jsonl"
-    stream.write_text('{"step_mm": 10}\n{"step_mm": 11}\n', encoding="utf-8")
+    stream.write_text('{"distance_mm": 10}\n{"distance_mm": 11}\n', encoding="utf-8")
     called = call("prove", NEAR, "--around", str(stream), "--within", "truth_mm=1", "--claim", "place_mm < 30")
     assert called.code == 2
     assert "--within truth_mm: it is a ghost, and measured does not hold the truth; leave it out." in called.err

@@ -212,14 +212,14 @@ def test_replay_as_a_table(call: Call, tmp_path: Path) -> None:
 RECORDS = """{"kind": "value", "time_ms": 50, "name": "speed", "value": 0}
 {"kind": "value", "time_ms": 60, "name": "released", "value": true}
 {"kind": "value", "time_ms": 60, "name": "blocked", "value": false}
-{"kind": "distance", "time_ms": 60, "end": "front", "unit": "wheel", "step_mm": 5}
+{"kind": "distance", "time_ms": 60, "end": "front", "unit": "wheel", "distance_mm": 5}
 """
 
 
 def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> None:
     """Grouped into steps; what is not used, unknown channels among it, is counted by channel and reason, and is no input."""
     path = tmp_path / "run.jsonl"
-    late = '{"kind": "distance", "time_ms": 40, "end": "front", "unit": "wheel", "step_mm": NaN}\n'
+    late = '{"kind": "distance", "time_ms": 40, "end": "front", "unit": "wheel", "distance_mm": NaN}\n'
     path.write_text(RECORDS + late, encoding="utf-8")
     called = call("replay", DOOR, str(path), "--period-ms", "100")
     assert called.code == 0
@@ -237,7 +237,7 @@ def test_a_simulated_run_as_records_replays_like_its_steps(call: Call, tmp_path:
     """Over records, border and cycles the odometry machine sees the same inputs."""
     path = tmp_path / "run.jsonl"
     lines = [
-        {"kind": "distance", "time_ms": 100 * n, "end": end, "unit": unit, "step_mm": 1000 + n}
+        {"kind": "distance", "time_ms": 100 * n, "end": end, "unit": unit, "distance_mm": 1000 + n}
         for n in range(1, 40)
         for end in ("front", "rear")
         for unit in ("wheel", "radar")

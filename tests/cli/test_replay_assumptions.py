@@ -74,7 +74,7 @@ def test_clocks_of_single_records(call: Call, tmp_path: Path) -> None:
     write_records(
         path,
         [
-            DistanceRecord(time_ms=cycle * 100 - late_ms, end=end, unit="wheel", step_mm=0)  # type: ignore[arg-type] # ends
+            DistanceRecord(time_ms=cycle * 100 - late_ms, end=end, unit="wheel", distance_mm=0)  # type: ignore[arg-type] # ends
             for cycle in range(1, 5)
             for end, late_ms in units
         ],

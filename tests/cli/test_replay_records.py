@@ -42,7 +42,7 @@ def said(step: Mapping[str, Cell], time_ms: int) -> Iterator[Record]:
         if full == "truth_mm":
             yield TruthRecord(time_ms=time_ms, position_nm=int(value) * 1_000_000)
         elif found := DISTANCE.fullmatch(name):
-            row = {"end": found[1], "unit": found[2], "step_mm": value}
+            row = {"end": found[1], "unit": found[2], "distance_mm": value}
             yield DistanceRecord.model_validate({**row, "time_ms": time_ms})
         elif found := MARKER.fullmatch(name):
             read.setdefault(found[1], {})[found[2] or "marker"] = value
@@ -98,7 +98,7 @@ def short(folder: Path, *records: Record) -> Path:
 
 def test_a_silent_device_is_no_error(tmp_path: Path) -> None:
     """A vehicle that has only odometers still has cycles; radar, satellites, fibre and links are silent in them."""
-    one = DistanceRecord(time_ms=PERIOD_MS, end="front", unit="wheel", step_mm=1_200)
+    one = DistanceRecord(time_ms=PERIOD_MS, end="front", unit="wheel", distance_mm=1_200)
     stream, faults = recorded_steps(load_target("localizer"), short(tmp_path, one), PERIOD_MS)
     assert faults == []
     assert stream.steps[0]["motion.odometer_mm"] == 1_200
@@ -123,7 +123,7 @@ def test_a_value_out_of_range_is_not_used(tmp_path: Path) -> None:
     wrong: list[Record] = [
         ValueRecord(time_ms=PERIOD_MS, name="train_leaves", value=7),
         ValueRecord(time_ms=PERIOD_MS, name="reference_from", value="NOWHERE"),
-        DistanceRecord(time_ms=PERIOD_MS, end="front", unit="wheel", step_mm=10**9),
+        DistanceRecord(time_ms=PERIOD_MS, end="front", unit="wheel", distance_mm=10**9),
     ]
     stream, faults = recorded_steps(load_target("localizer"), short(tmp_path, *wrong), PERIOD_MS)
     assert "motion.odometer_mm" not in stream.steps[0]
@@ -136,6 +136,6 @@ def test_a_value_out_of_range_is_not_used(tmp_path: Path) -> None:
 
 def test_ghosts_may_be_recorded_too(tmp_path: Path) -> None:
     """What a simulation tells beside the devices goes by, to be checked against."""
-    ghost = ValueRecord(time_ms=PERIOD_MS, name="true_step_nm", value=5)
+    ghost = ValueRecord(time_ms=PERIOD_MS, name="true_cycle_distance_nm", value=5)
     stream, faults = recorded_steps(load_target("localizer"), short(tmp_path, ghost), PERIOD_MS)
-    assert (stream.steps[0]["true_step_nm"], faults) == (5, [])
+    assert (stream.steps[0]["true_cycle_distance_nm"], faults) == (5, [])

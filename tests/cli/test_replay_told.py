@@ -68,7 +68,7 @@ def test_help_shows_brackets(call: Call) -> None:
 def test_a_run_beyond_the_assumption_is_no_search(call: Call, tmp_path: Path) -> None:
     """The properties say nothing from there on; no number of searched runs and no page on undecided proofs is told."""
     lines = [json.loads(line) for line in gzip.decompress(STREAM.read_bytes()).splitlines()[:20]]
-    lines[9]["true_step_nm"] = 4 * lines[9]["true_step_nm"]  # faster than any vehicle
+    lines[9]["true_cycle_distance_nm"] = 4 * lines[9]["true_cycle_distance_nm"]  # faster than any vehicle
     path = tmp_path / "beyond.jsonl"
     path.write_text("\n".join(map(json.dumps, lines)), encoding="utf-8")
     called = call("replay", "odometry", str(path))

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 KEPT: Mapping[str, tuple[bytes, ...]] = {
     "lines of records": (
-        b'{"kind":"distance","time_ms":100,"end":"front","unit":"wheel","step_mm":1200,"marker":7}',
-        b'{"kind":"distance","time_ms":100,"end":"front","unit":"wheel","step_mm":1200,"marker":null}',
+        b'{"kind":"distance","time_ms":100,"end":"front","unit":"wheel","distance_mm":1200,"marker":7}',
+        b'{"kind":"distance","time_ms":100,"end":"front","unit":"wheel","distance_mm":1200,"marker":null}',
     ),
     "CSV": (b"kind,time_ms,position_nm,marker\ntruth,1,1,7\n",),
     "RINEX observations": (

@@ -135,7 +135,7 @@ def _positions(form: str) -> Callable[[bytes], object]:
 # ------------------------------------------------------------------ sound examples
 
 ROWS: tuple[dict[str, object], ...] = (
-    {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "step_mm": -12},
+    {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "distance_mm": -12},
     {"kind": "pulses", "time_ms": 100, "end": "rear", "unit": "wheel", "pulses": 3},
     {"kind": "marker", "time_ms": 140, "end": "front", "marker": 7, "position_mm": 5, "accuracy_mm": 2, "since_mm": 1},
     {"kind": "value", "time_ms": 150, "name": "door", "value": True},

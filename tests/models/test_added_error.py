@@ -73,7 +73,7 @@ def test_every_error_is_added(name: str) -> None:
 
 def _rate_only(cycle: Cycle) -> Num:
     rate = abs_(cycle.own.run.value) * Lit(cycle.own.config.rate_ppm, PPM)
-    return ite(cycle.own.run.present, rate, Lit(cycle.own.config.max_step_mm * 1_000_000, NM))
+    return ite(cycle.own.run.present, rate, Lit(cycle.own.config.max_cycle_distance_mm * 1_000_000, NM))
 
 
 def test_a_run_without_its_floor_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -50,7 +50,7 @@ def swept(own: Parts, right: tuple[Num, Num]) -> tuple[Num, Num]:
     """A train pushes uncounted vehicles before its front end, as if it reached to there."""
     low, high = right
     for one in own.slots:
-        low = ite(one.present & one.below, maximum(low, one.high), low)
+        low = ite(one.present & one.below_loose, maximum(low, one.high), low)
     return low, high
 
 

@@ -234,14 +234,14 @@ def test_a_sweep_that_turns_needs_another_one() -> None:
 def test_emitter(stem: str, course: list[str], heard: dict[str, int]) -> None:
     """Modes in order, and what became of every pattern."""
     assert ["UNTESTED", *course] == courses(f"emitter-{stem}")
-    assert heard == dict(told(f"emitter-{stem}", "heard") - Counter(NOTHING=10**6))
+    assert heard == dict(told(f"emitter-{stem}", "verdict") - Counter(NOTHING=10**6))
 
 
 @pytest.mark.parametrize("stem", ["missing-pattern", "foreign-pattern"])
 def test_failed_one_cycle_after_the_due_time(stem: str) -> None:
     """Counted from the last pattern that passed; not earlier, not later."""
     trace = recorded(f"emitter-{stem}")
-    modes, heard = mode_labels(target("emitter").machines[0], trace), labels(trace, "heard")
+    modes, heard = mode_labels(target("emitter").machines[0], trace), labels(trace, "verdict")
     failed = modes.index("FAILED")
     assert failed - max(n for n in range(failed) if heard[n] == "PASSED") == EmitterConfig().due_cycles + 1
 

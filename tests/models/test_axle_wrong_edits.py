@@ -78,13 +78,13 @@ SECTION_EDITS: list[tuple[str, Term, str]] = [
     ("_through", _without(0), "clear after a reset needs a sweep"),
     ("_through", _without(3), "clear after a reset needs a sweep"),
     ("_through", lambda own: _without(4)(own) & own.swept_from[0], "a sweep through clears"),
-    ("_counted", lambda own: own.count + own.into[0] - own.out[0] + own.out[1], "clear is clear"),
-    ("_counted", lambda own: own.count + own.into[0] + own.into[1] - own.out[0], "axles counted out clear"),
+    ("_counted", lambda own: own.counted_axles + own.into[0] - own.out[0] + own.out[1], "clear is clear"),
+    ("_counted", lambda own: own.counted_axles + own.into[0] + own.into[1] - own.out[0], "axles counted out clear"),
     ("_moved", lambda own: any_of(var > 0 for var in (*own.into, own.out[0])), "the lead time is counted"),
-    ("_possible", lambda own: own.count + own.into[0] <= 1_000, "an impossible count is disturbed"),
+    ("_possible", lambda own: own.counted_axles + own.into[0] <= 1_000, "an impossible count is disturbed"),
     (
         "_possible",
-        lambda own: between(1, own.count + own.into[0] - own.out[0], 1_000),
+        lambda own: between(1, own.counted_axles + own.into[0] - own.out[0], 1_000),
         "only a fault or an impossible count disturbs",
     ),
 ]
@@ -131,15 +131,15 @@ def _counter_lacks(claim: str) -> bool:
 def _unchanged_runs(cycle: Cycle) -> tuple[Num, Num]:
     """The run of a cycle at the speeds before it."""
     own, period = cycle.own, Lit(100, MS)
-    return own.run_low + own.low_speed * period, own.run_high + own.high_speed * period
+    return own.run_low + own.speed_low * period, own.run_high + own.speed_high * period
 
 
 COUNTER_EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
-    ("speeds", lambda self: (self.own.low_speed, self.own.high_speed), "speed is true"),
+    ("speeds", lambda self: (self.own.speed_low, self.own.speed_high), "speed is true"),
     ("runs", _unchanged_runs, "place is true"),
     ("past", lambda self: self.own.past_low + self.speeds[1] * Lit(100, MS), "the whole train has passed"),
-    ("measured", lambda self: (self.own.slow.value, self.own.fast.value), "speed is true"),
-    ("maybe_another", lambda self: self.own.count > 999, "count is true"),
+    ("measured", lambda self: (self.own.axle_speed_low.value, self.own.axle_speed_high.value), "speed is true"),
+    ("maybe_another", lambda self: self.own.axles_counted > 999, "count is true"),
     ("paused", lambda self: self.own.pause, "the pause is counted"),
     ("onward", lambda self: self.own.axle.eq(UP), "turning spoils"),
     ("length_known", lambda self: self.own.length_low > 0, "length is exact enough"),

@@ -167,7 +167,7 @@ def test_accuracy_by_precedence(linking: int | None, national: int | None, added
     told: dict[str, Cell] = {} if national is None else {"national_accuracy_mm": national}
     stream = until(50, [step(1_000, telegram(START, since_mm=0)), step(1_000, announcement(group), told)])
     trace = drive([*stream, step(1_000, telegram(group, since_mm=0))])
-    assert trace.steps[-1].state["charged_accuracy_mm"] == added
+    assert trace.steps[-1].state["added_accuracy_mm"] == added
 
 
 def test_missing_distance_charges_the_top_speed_and_silence_delocalizes() -> None:

@@ -109,7 +109,7 @@ def test_a_group_kept_elsewhere_is_noticed() -> None:
     """Where the telegram gives no reflector, nothing but this claim speaks of the place at which the group is kept."""
     own = parts(CONFIG)
     model = build(own)
-    place, least = own.memory.place, own.memory.place.low
+    place, least = own.memory.last_group_position, own.memory.last_group_position.low
 
     def elsewhere(right: Num) -> Num:
         return ite(own.read.reflector.present, right, maximum(right - 10_000, least))

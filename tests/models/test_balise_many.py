@@ -50,7 +50,7 @@ def together(those: Sequence[Vehicle], routes: Sequence[RouteSet] = ()) -> Mappi
     """The inputs of all of them, simulated at once."""
     rngs = [np.random.default_rng(one.seed) for one in those]
     distances = measure_many(
-        "odometer", np.stack([one.motion.step_nm for one in those], axis=1), CONFIG.period_ms, CONFIG.odometer, rngs,
+        "odometer", np.stack([one.motion.distance_nm for one in those], axis=1), CONFIG.period_ms, CONFIG.odometer, rngs,
         dropout=[0.01] * len(those), severity=[0.9] * len(those), faults=[one.sensor_faults for one in those],
     )  # fmt: skip
     antennas = [Antenna(rng, 0.05, 0.02, 0.5, one.faults) for rng, one in zip(rngs, those, strict=True)]

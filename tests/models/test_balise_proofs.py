@@ -158,11 +158,11 @@ BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
         ("a national value stays",),
     ),
     "first miss forgotten": (
-        taking(lambda own: (own.memory.missed, minimum(own.memory.missed, 0))),
+        taking(lambda own: (own.memory.missed_in_row, minimum(own.memory.missed_in_row, 0))),
         ("two missed brake", "missed groups are counted"),
     ),
     "refused groups not counted": (
-        taking(lambda own: (own.memory.refused, minimum(own.memory.refused, 0))),
+        taking(lambda own: (own.memory.refused_in_row, minimum(own.memory.refused_in_row, 0))),
         ("groups that disagree are counted",),
     ),
     "refused groups end nothing": (
@@ -170,11 +170,14 @@ BROKEN: dict[str, tuple[Breaking, tuple[str, ...]]] = {
         ("groups that disagree in a row end the position",),
     ),
     "the count of refused groups goes on": (
-        changed("expected group resets the position", lambda good: {good.own.memory.refused: good.own.memory.refused}),
+        changed(
+            "expected group resets the position",
+            lambda good: {good.own.memory.refused_in_row: good.own.memory.refused_in_row},
+        ),
         ("groups that disagree are counted",),
     ),
     "one refused group ends the position": (
-        taking(lambda own: (own.memory.refused, as_num(own.config.refusal_limit_groups, COUNT))),
+        taking(lambda own: (own.memory.refused_in_row, as_num(own.config.refusal_limit_groups, COUNT))),
         ("a contradiction is the reason only with groups that contradict",),
     ),
     "a miss not told": (without("expected group missed"), ("reported: expected group missed",)),

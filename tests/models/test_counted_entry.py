@@ -66,12 +66,12 @@ def _any_record(whole: CountedEntry, _: Wires) -> Wires:
 
 
 def _one_axle_more(whole: CountedEntry, _: Wires) -> Wires:
-    return {whole.verified.own.record_count: whole.counter.machine.output("record_axles") + 1}
+    return {whole.verified.own.record_axles: whole.counter.machine.output("record_axles") + 1}
 
 
 def _length_rounded_in(whole: CountedEntry, _: Wires) -> Wires:
     high = whole.counter.machine.output("record_length_high_um")
-    return {whole.verified.own.record_high: maximum(floor_to(high, MM), as_num(0, MM))}
+    return {whole.verified.own.record_length_high: maximum(floor_to(high, MM), as_num(0, MM))}
 
 
 def _always_upwards(whole: CountedEntry, _: Wires) -> Wires:

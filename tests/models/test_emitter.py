@@ -67,14 +67,14 @@ def test_a_missing_pattern_fails_in_time() -> None:
 def test_what_does_not_pass(cells: dict[str, Cell], verdict: str, mode: str) -> None:
     """It renews nothing; the own pattern from another place fails the chain at once."""
     trace = heard(30, {18: OWN, 23: cells})
-    assert (labels(trace, "heard")[23], mode_labels(made().machine, trace)[23]) == (verdict, mode)
+    assert (labels(trace, "verdict")[23], mode_labels(made().machine, trace)[23]) == (verdict, mode)
     assert trace.steps[23].outputs["next_due_in_cycles"] < CONFIG.due_cycles
 
 
 def test_a_request_is_answered_or_fails() -> None:
     """An answer counts before its regular time; none fails within its own time and one cycle."""
     ask: dict[str, Cell] = {"test_requested": True}
-    assert labels(heard(30, {18: OWN, 22: ask, 25: OWN}), "heard")[25] == "PASSED"
+    assert labels(heard(30, {18: OWN, 22: ask, 25: OWN}), "verdict")[25] == "PASSED"
     found = mode_labels(made().machine, heard(40, {18: OWN, 22: ask}))
     assert found.index("FAILED") == 22 + CONFIG.answer_cycles
 
@@ -83,14 +83,14 @@ def test_a_request_is_not_forgotten() -> None:
     """Made in the cycle in which the chain fails, or while the own pattern comes from elsewhere: its answer counts."""
     ask: dict[str, Cell] = {"test_requested": True}
     elsewhere: dict[str, Cell] = {**OWN, "heard_place_mm": CONFIG.place_mm + CONFIG.place_tolerance_mm + 1}
-    assert labels(heard(40, {18: OWN, 22: ask, 24: elsewhere, 26: OWN}), "heard")[26] == "PASSED"
-    assert labels(heard(40, {18: OWN, 22: ask, 28: ask, 30: OWN}), "heard")[30] == "PASSED"
+    assert labels(heard(40, {18: OWN, 22: ask, 24: elsewhere, 26: OWN}), "verdict")[26] == "PASSED"
+    assert labels(heard(40, {18: OWN, 22: ask, 28: ask, 30: OWN}), "verdict")[30] == "PASSED"
 
 
 def test_a_pattern_that_comes_too_late_still_tells_the_time() -> None:
     """The chain fails, but a repetition of that pattern in the next cycle is not due."""
     trace = heard(60, {18: OWN, 39: OWN, 40: OWN})
-    assert (mode_labels(made().machine, trace)[39], labels(trace, "heard")[40]) == ("FAILED", "NOT_DUE")
+    assert (mode_labels(made().machine, trace)[39], labels(trace, "verdict")[40]) == ("FAILED", "NOT_DUE")
 
 
 def test_recovery_takes_several_patterns() -> None:
@@ -131,12 +131,14 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     "and shows a chain that is dead": ("due", lambda own: TRUE, "a pattern that passes came through the chain"),
     "one cycle too early": (
         "due",
-        lambda own: (own.since + 2 >= own.config.due_cycles - own.config.window_cycles) | (own.asked > 0),
+        lambda own: (
+            (own.since_passed + 2 >= own.config.due_cycles - own.config.window_cycles) | (own.since_request > 0)
+        ),
         "a pattern that passes came through the chain",
     ),
     "the answer to a request does not count": (
         "due",
-        lambda own: own.since + 1 >= own.config.due_cycles - own.config.window_cycles,
+        lambda own: own.since_passed + 1 >= own.config.due_cycles - own.config.window_cycles,
         "a pattern passes when the emitter is to send, and only then",
     ),
     "from anywhere": ("near", lambda own: TRUE, "only the own pattern passes"),
@@ -147,12 +149,12 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     ),
     "no pattern is awaited": (
         "overdue",
-        lambda own: own.asked >= own.config.answer_cycles,
+        lambda own: own.since_request >= own.config.answer_cycles,
         "silence is reported",
     ),
     "no answer is awaited": (
         "overdue",
-        lambda own: own.since >= own.config.due_cycles,
+        lambda own: own.since_passed >= own.config.due_cycles,
         "request is answered",
     ),
 }

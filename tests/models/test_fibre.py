@@ -200,17 +200,17 @@ EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
     ("forwards", lambda cycle: cycle.own.forwards, "direction and silence are followed"),
     ("added_error", lambda cycle: as_num(0, NM), "every run adds its error"),
     ("fresh", lambda cycle: cycle.added_error, "an edge adds the run of its cycle to the error"),
-    ("since", lambda cycle: cycle.own.since, "every run adds its error"),
-    ("silent", lambda cycle: ~cycle.own.run.present & (cycle.own.gap > 3) & cycle.own.counted, "a pattern that is lost has no place"),
+    ("since", lambda cycle: cycle.own.run_since_edge, "every run adds its error"),
+    ("silent", lambda cycle: ~cycle.own.run.present & (cycle.own.silent_cycles > 3) & cycle.own.counted, "a pattern that is lost has no place"),
     ("too_wide", lambda cycle: cycle.drift > 10**12, "a pattern that is lost has no place"),
     ("reads_long", lambda cycle: abs_(cycle.inside) > CONFIG.short_mm, "the code word consists of the sections read"),
     ("reads_short", lambda cycle: ~cycle.reads_long, "wrong length raises F"),
     ("turned_back", lambda cycle: cycle.inside < 0, "wrong length raises F"),
-    ("endless", lambda cycle: abs_(cycle.own.since) > CONFIG.long_mm * 3, "endless section raises F at once"),
+    ("endless", lambda cycle: abs_(cycle.own.run_since_edge) > CONFIG.long_mm * 3, "endless section raises F at once"),
     ("fits", lambda cycle: cycle.own.ahead.known & ~cycle.full, "false section raises F at once"),
     ("wrong_length", lambda cycle: cycle.leaves & ~cycle.turned_back & ~cycle.read, "wrong length raises F"),
-    ("flight_differs", lambda cycle: cycle.own.flight.value > cycle.place + 400_000, "time of flight raises F at once"),
-    ("reflection_differs", lambda cycle: cycle.own.reflection.value > cycle.place, "reflecting point raises F at once"),
+    ("flight_differs", lambda cycle: cycle.own.flight_position.value > cycle.place + 400_000, "time of flight raises F at once"),
+    ("reflection_differs", lambda cycle: cycle.own.reflecting_point.value > cycle.place, "reflecting point raises F at once"),
 ]  # fmt: skip
 
 

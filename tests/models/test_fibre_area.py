@@ -192,7 +192,7 @@ def test_a_stale_reading_narrows_nothing() -> None:
 def labels_of_area(trace: Trace) -> list[str]:
     """What became of the train's report in every cycle."""
     unit = made().area.own.slots[0].last_verdict.unit
-    return [str(unit.members[int(step.state["area.train_1_judged"])]) for step in trace.steps]  # type: ignore[union-attr]
+    return [str(unit.members[int(step.state["area.train_1_last_verdict"])]) for step in trace.steps]  # type: ignore[union-attr]
 
 
 def test_cycles_that_differ_are_refused() -> None:
@@ -341,7 +341,7 @@ def _with_broken(wires: Wiring, name: str) -> Wiring:
             "fibre_error": {own.fibre_error: says.flag("error")},
             "ends_low": {own.ends_low.present: FALSE},
             "chain_failed": {own.chain_failed: FALSE, own.chain_tested: TRUE},
-            "located": {own.located: says.flag("valid"), own.place.present: says.flag("valid")},
+            "located": {own.located: says.flag("valid"), own.fibre_position.present: says.flag("valid")},
         }
         return {**wires(verification, front, rear, emitter, entry_), **wrong[name]}
 

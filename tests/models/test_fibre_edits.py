@@ -71,7 +71,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "a section missed while running down": ("overdue", missed_above_only, "missed section raises F at once"),
     "no section is ever missed": ("overdue", lambda _c, _r: FALSE, "missed section raises F at once"),
     "the window without what the run may be wrong by": (
-        "fits", lambda c, _: expected(c, READ_MM + CONFIG.max_step_mm), "a located end stays located"),
+        "fits", lambda c, _: expected(c, READ_MM + CONFIG.max_cycle_distance_mm), "a located end stays located"),
     "a window far too wide": ("fits", lambda c, _: expected(c, 3_000_000), "containment"),
     "any place for a section": (
         "fits", lambda c, _: c.own.ahead.known & ~c.full, "false section raises F at once"),
@@ -96,7 +96,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "a wrong length is no error": ("wrong_length", lambda _c, _r: FALSE, "disagreement raises F"),
     "a section without end": ("endless", lambda _c, _r: FALSE, "endless section raises F at once"),
     "rate and floor are not added": ("added_error", lambda _c, _r: as_num(0, NM), "containment"),
-    "the run is not followed": ("since", lambda c, _: c.own.since, "containment"),
+    "the run is not followed": ("since", lambda c, _: c.own.run_since_edge, "containment"),
     "the direction is that of before": ("forwards", lambda c, _: c.own.forwards, "direction and silence are followed"),
     "an unheard pattern is followed": ("silent", lambda _c, _r: FALSE, "a pattern that is lost has no place"),
 }  # fmt: skip

@@ -76,7 +76,7 @@ def modes(trace: Trace) -> list[str]:
 
 def reasons(trace: Trace) -> list[str]:
     """What became of each step's delivery."""
-    return [JUDGED[int(step.state["judged"])].label for step in trace.steps]
+    return [JUDGED[int(step.state["last_verdict"])].label for step in trace.steps]
 
 
 BELIEVED = [at(0), at(0), at(0)]
@@ -152,7 +152,7 @@ def test_a_broken_update_loses_the_truth(name: str, change: Callable[[Guard], di
     [
         ("no resurrection", "receiver believed again", {"when": MODEL.judgement.agrees}),
         ("an implausible fix costs the trust", "implausible fix", {"when": FALSE}),
-        ("only a full row passes", "fix passed on", {"set": {MODEL.own.agreed: as_num(1, COUNT)}}),
+        ("only a full row passes", "fix passed on", {"set": {MODEL.own.agreed_fixes: as_num(1, COUNT)}}),
         ("faults are never passed", "fix passed on", {"when": TRUE}),
     ],
 )
@@ -175,7 +175,7 @@ def _trusted_at_once(_: object) -> property:
 
 
 def _one_too_few(_: object) -> property:
-    return property(lambda judged: judged.own.agreed + 2 >= judged.own.config.confirmations)
+    return property(lambda judged: judged.own.agreed_fixes + 2 >= judged.own.config.confirmations)
 
 
 def _jumps_forgiven(_: object) -> property:
@@ -191,7 +191,7 @@ def _doubt_counts(_: object) -> property:
 
 
 def _row_by_two(_: object) -> property:
-    return property(lambda judged: minimum(judged.own.agreed + 2, judged.own.config.confirmations))
+    return property(lambda judged: minimum(judged.own.agreed_fixes + 2, judged.own.config.confirmations))
 
 
 def _begins_by_anything(_: object) -> property:
@@ -435,7 +435,7 @@ def test_speed_that_disagrees_with_the_distance_run() -> None:
     config = GuardConfig(confirmations=2)
     system = without_ghosts(lower(build(parts(config)).machine))
     trace = run(system, [*[at(0)] * 42, at(0, fix_speed_mm_s=20_000)])
-    assert "SPEED_DISAGREES" == JUDGED[int(trace.steps[-1].state["judged"])].label
+    assert "SPEED_DISAGREES" == JUDGED[int(trace.steps[-1].state["last_verdict"])].label
 
 
 def test_the_same_instant_moves_nothing() -> None:

@@ -320,7 +320,7 @@ def test_faulty_readings_of_the_front_reader(fault: str, reading: str | None) ->
 
 
 @pytest.mark.parametrize(
-    ("fault", "judged"),
+    ("fault", "last_verdict"),
     [("distance-missing", "MISSING"), ("distance-jump", "TOO_FAST"), ("wheel-slide", "JUMP"), ("wheel-slip", "JUMP"),
      ("wheel-stuck", "JUMP")],
 )  # fmt: skip
@@ -328,12 +328,12 @@ def test_a_faulty_wheel_beside_a_radar(fault: str, judged: str) -> None:
     """The wheel's distances are refused, or added to the error; the interval goes on to hold the truth by the other unit."""
     told = said(first("few", "odometry", fault, vehicle=LineVehicle()))
     assert withheld_or_contained(told)
-    assert judged in told.every("front_wheel_judged")
+    assert judged in told.every("front_wheel_last_verdict")
     assert "contained" == told.standing[-1]
 
 
 @pytest.mark.parametrize(
-    ("fault", "judged", "reason"),
+    ("fault", "last_verdict", "reason"),
     [("distance-missing", "MISSING", {"NO_REFERENCE", "NONE", "TOLERANCE"}),
      ("distance-jump", "TOO_FAST", {"NO_REFERENCE", "NONE"})],
 )  # fmt: skip
@@ -365,9 +365,9 @@ def test_faults_at_the_last_reflector(fault: str, fired: str, precise_at_last: b
 
 def test_what_is_not_the_reflector_is_called_so() -> None:
     """A shifted echo lies out of the window; a decoy is of another model."""
-    assert "OUT_OF_WINDOW" in said(first("fig1", "reflector", "echoes-shifted")).every("echo_1_judged")
+    assert "OUT_OF_WINDOW" in said(first("fig1", "reflector", "echoes-shifted")).every("echo_1_last_verdict")
     decoy = said(first("fig1", "reflector", "decoy"))
-    assert "OTHER_MODEL" in decoy.every("echo_1_judged") | decoy.every("echo_2_judged")
+    assert "OTHER_MODEL" in decoy.every("echo_1_last_verdict") | decoy.every("echo_2_last_verdict")
 
 
 @pytest.mark.parametrize(

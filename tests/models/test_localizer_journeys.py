@@ -76,7 +76,7 @@ def wrong(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
 
 
 def _runs_ahead(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
-    if not earlier or not earlier["arbitration.valid"] or not out["motion.told"]:
+    if not earlier or not earlier["arbitration.valid"] or not out["motion.reported"]:
         return False
     advance = out["arbitration.min_safe_front_mm"] - earlier["arbitration.min_safe_front_mm"]
     return advance > out["motion.distance_mm"]

@@ -104,7 +104,7 @@ def test_a_vehicle_whose_journey_ends_stands_there() -> None:
     """A campaign has one number of cycles, also for the shortest of its journeys."""
     journeys = LocalizerJourneys(WITHOUT_MACHINES, system(WITHOUT_MACHINES), "metro")
     drawn = Drawn(1, {"satellites": np.zeros(1)}, [[]])
-    step = journeys.runs(drawn, 1_000, np.random.default_rng(1)).inputs["true_step_nm"]
+    step = journeys.runs(drawn, 1_000, np.random.default_rng(1)).inputs["true_cycle_distance_nm"]
     assert step.shape == (1_000, 1)
     assert step[300] > 1_000_000
     assert not step[900:].any()

@@ -124,7 +124,7 @@ def test_the_length_is_used_with_its_tolerance() -> None:
     """The far end told with the front end's own margin may not hold it."""
     ends = small().ends
     [row] = [t for t in ends.machine.transitions if t.name == "both ends known"]
-    wrong = changed(ends.machine, "both ends known", set={**row.set, ends.own.both_below: ends.own.below})
+    wrong = changed(ends.machine, "both ends known", set={**row.set, ends.own.far_margin_below: ends.own.below})
     assert "the far end is inside" in refuted(wrong)
 
 

@@ -93,7 +93,7 @@ def test_standing_is_one_clause_or_none() -> None:
 def test_who_rolls_away_is_covered_unless_standing_is_believed() -> None:
     """Two minutes at 0.5 m/s with a locked wheel and a radar that hears nothing below its floor."""
     drive = move(VehicleConfig(max_speed_mm_s=500, acceleration_mm_s2=1_000), [Leg(500, 120)], 100)
-    zero = np.zeros_like(drive.step_nm)
+    zero = np.zeros_like(drive.distance_nm)
     nothing = Distances("odometer", zero, np.ones(len(zero), dtype=np.bool_), zero)
     uncovered = [
         uncovered_nm(reported(motion, nothing, replace(nothing, name="check")), drive)
@@ -156,8 +156,8 @@ def _unit(name: str, law: ErrorLaw, rng: np.random.Generator, faults: list[Fault
 def uncovered_nm(said: Distances, drive: Drive = DRIVE) -> int:
     """The most by which the error of a run, whenever it began, exceeds the added errors of its cycles; nm, to either side."""
     law, worst = CHECKED.reported_law, 0
-    error = drive.step_nm - np.where(said.present, said.step_mm, 0) * 1_000_000
-    own = np.abs(said.step_mm) * law.rate_ppm
+    error = drive.distance_nm - np.where(said.present, said.distance_mm, 0) * 1_000_000
+    own = np.abs(said.distance_mm) * law.rate_ppm
     added_error = np.where(said.present, own, CHECKED.limits.blind_nm) + _more(said)
     for side in (error, -error):
         left = 0
@@ -168,7 +168,7 @@ def uncovered_nm(said: Distances, drive: Drive = DRIVE) -> int:
 
 
 def _more(said: Distances) -> NDArray[np.int64]:
-    return np.zeros_like(said.step_mm) if said.more_nm is None else said.more_nm
+    return np.zeros_like(said.distance_mm) if said.more_nm is None else said.more_nm
 
 
 @pytest.mark.thorough(ordinary=3)
@@ -205,7 +205,7 @@ def cycles(*measures: tuple[int | None, int | None]) -> list[dict[str, object]]:
         for one, other in measures
     ]
     return [
-        {"distance": one.outputs["distance_mm"] if one.outputs["told"] else None, "more": one.outputs["more_nm"],
+        {"distance": one.outputs["distance_mm"] if one.outputs["reported"] else None, "more": one.outputs["more_nm"],
          "fired": next(iter(one.fired.values()))}
         for one in run(system, steps).steps
     ]  # fmt: skip

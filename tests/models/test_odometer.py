@@ -12,7 +12,7 @@ from safeloc.models.vocabulary.measured import ADMITTED, JUMP, MISSING, TOO_FAST
 from safeloc.models.vocabulary.odometer import odometer
 
 LIMITS = Limits(
-    period_ms=100, tolerance_mm=10_000, max_speed_mm_s=50_000, max_step_mm=5_100, max_step_change_mm=53, gap_limit=5,
+    period_ms=100, tolerance_mm=10_000, max_speed_mm_s=50_000, max_cycle_distance_mm=5_100, max_cycle_distance_change_mm=53, gap_limit=5,
     lone_limit=5, age_limit_ms=60_000, position_limit_mm=1_000_000, single_fault_safe=False,
 )  # fmt: skip
 

@@ -155,7 +155,7 @@ def test_published_trace_of_half_widths() -> None:
 def replayed_log(name: str) -> Trace:
     """A train log as distances of all four units."""
     config = OdometryConfig(period_ms=400)
-    limit = 2 * config.limits.max_step_mm + 1_000
+    limit = 2 * config.limits.max_cycle_distance_mm + 1_000
     stream = []
     for distance in log_steps_mm(name):
         usable = distance is not None and distance <= limit  # farther is refused at the border: out of range
@@ -167,13 +167,13 @@ def replayed_log(name: str) -> Trace:
 def test_clean_logs_are_admitted_whole(name: str) -> None:
     """Every distance of the clean recordings passes the gates."""
     trace = replayed_log(name)
-    assert {label(trace, "front_wheel_judged", index) for index in range(len(trace.steps))} == {"ADMITTED"}
+    assert {label(trace, "front_wheel_last_verdict", index) for index in range(len(trace.steps))} == {"ADMITTED"}
 
 
 def test_jumps_of_the_faulty_log_are_rejected() -> None:
     """The faulty recording: jumps are refused with a reason, and no interval narrows because of one."""
     trace = replayed_log("trains/log_29083.csv")
-    judged = [label(trace, "front_wheel_judged", index) for index in range(len(trace.steps))]
+    judged = [label(trace, "front_wheel_last_verdict", index) for index in range(len(trace.steps))]
     assert judged.count("ADMITTED") > 700
     assert {"MISSING"} < set(judged)
     for index in range(1, len(trace.steps)):
@@ -185,7 +185,7 @@ def test_jumps_of_the_faulty_log_are_rejected() -> None:
 def test_jumps_move_no_interval_after_a_reference() -> None:
     """With a reference first, the faulty log's jumps never narrow the margin and never go unexplained."""
     config = OdometryConfig(period_ms=400, trust_first_marker=True, tolerance_mm=500_000)
-    limit = 2 * config.limits.max_step_mm + 1_000
+    limit = 2 * config.limits.max_cycle_distance_mm + 1_000
     stream = [step(0, config, **marker("front", 1, 0))]
     stream += [step(d, config) if d is not None and d <= limit else {} for d in log_steps_mm("trains/log_29083.csv")]
     trace = run(on_board(config), stream)
@@ -194,7 +194,7 @@ def test_jumps_move_no_interval_after_a_reference() -> None:
         before, after = trace.steps[index - 1].outputs, trace.steps[index].outputs
         if before["valid"] and after["valid"]:
             assert margin(after) >= margin(before)
-        rejected += label(trace, "front_wheel_judged", index) != "ADMITTED"
+        rejected += label(trace, "front_wheel_last_verdict", index) != "ADMITTED"
     assert rejected > 0
 
 

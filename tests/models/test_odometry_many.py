@@ -26,16 +26,16 @@ MOTION = move(VehicleConfig(), [Leg(20_000, 40), Leg(0, 20)], 100)
 @pytest.mark.parametrize("dropout", [0.0, 0.3])
 def test_units_of_many_measure_as_one_does(law: ErrorLaw, dropout: float) -> None:
     """With the draws of single runs, the arrays hold exactly what the single runs measure."""
-    cycles, runs = len(MOTION.step_nm), 3
+    cycles, runs = len(MOTION.distance_nm), 3
     draws = [np.random.default_rng(run) for run in range(runs)]
     bias = np.stack([rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles) for rng in draws], axis=1)
     wanted = np.stack([rng.uniform(-1, 1, cycles // 100 + 1) for rng in draws], axis=1)
     present = np.stack([rng.random(cycles) >= dropout for rng in draws], axis=1)
-    true = np.repeat(MOTION.step_nm[:, None], runs, axis=1)
+    true = np.repeat(MOTION.distance_nm[:, None], runs, axis=1)
     step, wander = measured(true, 100, law, np.full(runs, 0.9), bias, wanted, present)
     for run in range(runs):
         one = measure("unit", MOTION, law, np.random.default_rng(run), dropout=dropout)
-        assert np.array_equal(one.step_mm, step[:, run])
+        assert np.array_equal(one.distance_mm, step[:, run])
         assert np.array_equal(one.wander_nm, wander[:, run])
     assert np.abs(wander).max() <= law.wander_nm
 
@@ -100,4 +100,4 @@ def test_values_beyond_their_range_are_left_out_as_on_board() -> None:
     assert [0, 1, 0] == refused.tolist()
     assert (0, False) == (found["front_wheel_mm"][7, 1], found["front_wheel_mm.present"][7, 1])
     assert wheel[6, 1] == found["front_wheel_mm"][6, 1]
-    assert runs.inputs["true_step_nm"].sum() > NM_PER_MM
+    assert runs.inputs["true_cycle_distance_nm"].sum() > NM_PER_MM

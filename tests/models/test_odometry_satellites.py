@@ -196,14 +196,16 @@ def confirms_itself(patch: Patch) -> None:
     sound = cycle._position
 
     def position(own: Parts, reader: SatelliteReader, *rest: Any) -> cycle.Reading:
-        return sound(own, replace(reader, gave_candidate=FALSE), *rest)  # type: ignore[arg-type]
+        return sound(own, replace(reader, candidate_of_satellites=FALSE), *rest)  # type: ignore[arg-type]
 
     patch.setattr(cycle, "_position", position)
 
 
 def forgets_whose_candidate(patch: Patch) -> None:
     """Every candidate counts as a marker."""
-    patch.setattr(odometry, "_candidate_of_satellites", lambda own, is_so: {own.satellites.gave_candidate: FALSE})
+    patch.setattr(
+        odometry, "_candidate_of_satellites", lambda own, is_so: {own.satellites.candidate_of_satellites: FALSE}
+    )
 
 
 def no_window(patch: Patch) -> None:

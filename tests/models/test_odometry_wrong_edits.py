@@ -189,9 +189,9 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
         "silence of front_wheel widens the margins",
     ),
     "age limit doubled": (limits_with(age_limit_ms=172_800_000), "age limit"),
-    "change of speed not gated": (limits_with(max_step_change_mm=100_000), "front_wheel gate"),
-    "top speed not gated": (limits_with(max_step_mm=9_000), "front_wheel gate"),
-    "a gate that lets pass what no vehicle runs": (limits_with(max_step_change_mm=100_000), "containment"),
+    "change of speed not gated": (limits_with(max_cycle_distance_change_mm=100_000), "front_wheel gate"),
+    "top speed not gated": (limits_with(max_cycle_distance_mm=9_000), "front_wheel gate"),
+    "a gate that lets pass what no vehicle runs": (limits_with(max_cycle_distance_change_mm=100_000), "containment"),
     "readers swapped": (readers_swapped, "rear reading pairs"),
     "an identity read at both ends waits on": (
         identities_kept,

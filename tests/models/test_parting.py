@@ -51,7 +51,7 @@ def alone() -> tuple[Machine, Report]:
             (exact_to(low[0], UM) <= own.pattern_rear) & (own.pattern_rear <= exact_to(low[1], UM))
             & (exact_to(high[0], UM) <= own.pattern_front) & (own.pattern_front <= exact_to(high[1], UM))
         ),
-        "only all axles match": Law(own.counted.implies(own.had_all)),
+        "only all axles match": Law(own.count_matches_now.implies(own.count_had_all_axles)),
     }  # fmt: skip
     world = replace(machine.world, clauses={**machine.world.clauses, **keeps})
     return replace(machine, world=world), report
@@ -60,7 +60,7 @@ def alone() -> tuple[Machine, Report]:
 def holds(machine: Machine, report: Report) -> Property:
     """Where it is told as whole, the train with all that it lost lies between the bounds, but for the reading's age."""
     own = report.own
-    told = machine.flag("told") & machine.flag("integer") & own.age.eq(0)
+    told = machine.flag("reported") & machine.flag("integer") & own.age.eq(0)
     low, high = exact_to(own.reported_low, UM), exact_to(own.reported_high, UM)
     inside = (own.next_rear >= low) & (own.next_front <= high)
     return always(HELD, told.implies(inside), statement="it does", assumption="the laws of the report")
@@ -90,7 +90,7 @@ def test_a_run_refutes_one_millimetre_less(monkeypatch: pytest.MonkeyPatch) -> N
     assert isinstance(found, Violated)
     assert found.trace is not None
     last = found.trace.steps[-1]
-    assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_whole_um"] < UM_PER_MM
+    assert 0 <= FIGURES.count_run_mm * UM_PER_MM - last.state["run_since_complete_um"] < UM_PER_MM
 
 
 Wrong = Callable[..., object]
@@ -104,8 +104,8 @@ OF_THE_ENDS: dict[str, tuple[str, Wrong]] = {
     "the outer bound of the rear is taken": ("high", lambda own, _: own.own.low + own.farthest),
     "an end leads a millimetre early": ("led_high", lambda own, _, straight: straight > own.own.config.count_run_mm - 1),
     "the low end leads at once": ("led_low", lambda _own, _, straight: straight < 0),
-    "a stop is no new beginning": ("straight", lambda own, right: ite(own.up | own.down, right, own.own.straight)),
-    "a turn is no new beginning": ("straight", lambda own, right: ite(own.down & (own.own.straight > 0), own.own.straight, right)),
+    "a stop is no new beginning": ("straight", lambda own, right: ite(own.up | own.down, right, own.own.run_one_way)),
+    "a turn is no new beginning": ("straight", lambda own, right: ite(own.down & (own.own.run_one_way > 0), own.own.run_one_way, right)),
     "run that is told twice as long": ("straight", lambda own, right: ite(own.up, right + own.run, right)),
     "what the run may be wrong by is not taken off": ("run", lambda own, _: maximum(ite(own.down, -own.own.run, own.own.run), 0)),
     "its floor is not taken off": ("run", lambda _, right: ite(right > 0, right + 2_000, 0)),
@@ -207,7 +207,7 @@ OF_THE_EXIT: dict[str, tuple[str, Wrong]] = {
 def nothing_inside() -> tuple[Machine, Property]:
     """The machine of the entry, and that none of the axles of a train that left is in the area."""
     made = entry(240, 1_000)
-    out = made.left.implies(made.true_inside.eq(0))
+    out = made.left.implies(made.true_axles_inside.eq(0))
     return made.machine, always("nothing inside", out, statement="nothing is left", assumption="each axle is counted")
 
 

@@ -60,7 +60,7 @@ def on_board(config: ReflectorConfig = PLAIN) -> TransitionSystem:
 
 def step(distance_mm: int, *more: Mapping[str, Cell], **fields: Cell) -> dict[str, Cell]:
     """One cycle of 1 m to 10 m with a radar frame."""
-    given: dict[str, Cell] = {"step_mm": distance_mm, "frame_present": True}
+    given: dict[str, Cell] = {"distance_mm": distance_mm, "frame_present": True}
     for part in more:
         given |= part
     return completed(PLAIN, {**given, **fields})
@@ -238,7 +238,7 @@ def test_compiled_machine_follows_the_interpreter() -> None:
 def test_echoes(given: dict[str, Cell], verdict: str) -> None:
     """What becomes of an echo while reflector A is tracked, 70 m ahead; only one that fits is taken (RFL-1, RFL-10)."""
     trace = run(on_board(), [*TESTED, step(10_000, given)])
-    assert labels(trace, "echo_1_judged")[-1] == verdict
+    assert labels(trace, "echo_1_last_verdict")[-1] == verdict
     assert modes(trace)[-1] == ("VIEW" if verdict == "FITS" else "COAST")
     assert labels(trace, "source")[-1] == ("REFLECTOR" if verdict == "FITS" else "ODOMETRY")
 
@@ -247,7 +247,7 @@ def test_clutter_in_the_odometry_zone() -> None:
     """However strong, and even of the next reflector's model: in the odometry zone an echo is a thing beside the track."""
     far = ahead(900_000, "B")
     trace = run(on_board(), [*passing(), *(step(10_000, far, echo(40_000, "B", intensity=0)) for _ in range(5))])
-    assert labels(trace, "echo_1_judged")[-5:] == ["NOT_SEARCHED"] * 5
+    assert labels(trace, "echo_1_last_verdict")[-5:] == ["NOT_SEARCHED"] * 5
     assert set(modes(trace)[-5:]) == {"ODOMETRY"}
 
 
@@ -255,7 +255,7 @@ def test_two_echoes_that_exclude_each_other() -> None:
     """Two echoes of the right model fit the window and not each other: neither is believed."""
     clash = step(10_000, echo(70_000), echo(70_600, slot=2))
     trace = run(on_board(), [*TESTED, clash])
-    assert (labels(trace, "echo_1_judged")[-1], labels(trace, "echo_2_judged")[-1]) == ("FITS", "FITS")
+    assert (labels(trace, "echo_1_last_verdict")[-1], labels(trace, "echo_2_last_verdict")[-1]) == ("FITS", "FITS")
     assert modes(trace)[-1] == "COAST"
 
 
@@ -339,7 +339,7 @@ def test_another_reflector_of_the_model_within_hearing() -> None:
     """A second one 150 m behind the reference reflector may be what a radar that is wrong takes for it: no self-test."""
     crowded = ahead(80_000, clear=120_000, reference_mm=80_000)
     trace = run(on_board(), [step(0, balise(7, 0), crowded, echo(80_000))])
-    assert labels(trace, "echo_1_judged") == ["AMBIGUOUS"]
+    assert labels(trace, "echo_1_last_verdict") == ["AMBIGUOUS"]
     assert modes(trace) == ["REFERENCE"]
 
 
@@ -420,7 +420,7 @@ def test_looked_for_from_the_prescribed_line_on() -> None:
     start = step(0, balise(7, 0, search_from_mm=30_000), ahead(80_000, reference_mm=80_000), echo(80_000))
     echoes = [step(10_000, echo(80_000 - place)) for place in (10_000, 20_000, 30_000)]
     trace = run(on_board(), [start, *echoes])
-    assert labels(trace, "echo_1_judged") == ["NOT_SEARCHED"] * 3 + ["FITS"]
+    assert labels(trace, "echo_1_last_verdict") == ["NOT_SEARCHED"] * 3 + ["FITS"]
     assert modes(trace) == ["REFERENCE"] * 3 + ["VIEW"]
 
 
@@ -512,7 +512,7 @@ def test_a_radar_that_jumps_is_not_followed() -> None:
     """Echoes 12 m off: outside the window, the position runs on by odometry, and the reflector is given up."""
     trace, stream = disturbed(Fault("shift", "", 180, 200, {"by_mm": 12_000}))
     assert never_wrong(trace, stream)
-    assert "OUT_OF_WINDOW" in labels(trace, "echo_1_judged")
+    assert "OUT_OF_WINDOW" in labels(trace, "echo_1_last_verdict")
     assert "reflector lost" in fired(trace)
 
 

@@ -98,7 +98,7 @@ def _raw_place(whole: ReflectorDevice, _: Wires) -> Wires:
 
 def _place_of_the_group(whole: ReflectorDevice, _: Wires) -> Wires:
     """The group's place on the map, without the antenna's offset and the run since."""
-    return {whole.source.own.balise.position.value: ite(_counts(whole), whole.groups.own.memory.place, 0)}
+    return {whole.source.own.balise.position.value: ite(_counts(whole), whole.groups.own.memory.last_group_position, 0)}
 
 
 def _any_identity(whole: ReflectorDevice, _: Wires) -> Wires:
@@ -130,7 +130,10 @@ def _sign_turned(whole: ReflectorDevice, right: Wires) -> Wires:
 
 def _search_for_reflector(whole: ReflectorDevice, right: Wires) -> Wires:
     given = whole.source.own.balise
-    return {given.reference.present: right[given.search.present], given.reference.value: right[given.search.value]}
+    return {
+        given.reference.present: right[given.search_from.present],
+        given.reference.value: right[given.search_from.value],
+    }
 
 
 def _map_from_the_group(whole: ReflectorDevice, right: Wires) -> Wires:
@@ -174,7 +177,7 @@ def _any_image(whole: ReflectorDevice, _: Wires) -> Wires:
 
 def _switch_given_late(whole: ReflectorDevice, _: Wires) -> Wires:
     """A switch that the interval may have reached."""
-    given, raw = whole.course.own.switch, whole.line.switch
+    given, raw = whole.course.own.switch_position, whole.line.switch_position
     return {given.present: raw.present, given.value: raw.value}
 
 

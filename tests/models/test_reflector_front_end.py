@@ -29,7 +29,7 @@ def judged(*echoes: Echo) -> tuple[str, bool]:
     """The first echo's verdict, and whether the self-test passed, at a balise 80 m before reflector A."""
     seen = step_inputs(Frame(0, 0, 0, echoes), RADAR, STILL, CONFIG.echo_slots)
     told = {
-        "step_mm": 0,
+        "distance_mm": 0,
         "balise": 7,
         "balise_position_mm": 0,
         "balise_accuracy_mm": 1_000,
@@ -42,8 +42,8 @@ def judged(*echoes: Echo) -> tuple[str, bool]:
         "next_reference_mm": 80_000,
     }
     trace = run(without_ghosts(lower(machine(CONFIG))), [completed(CONFIG, {**told, **seen.inputs})])
-    unit = trace.system.variable("echo_1_judged").unit
-    return str(unit.members[trace.steps[-1].state["echo_1_judged"]]), bool(trace.steps[-1].outputs["precise"])
+    unit = trace.system.variable("echo_1_last_verdict").unit
+    return str(unit.members[trace.steps[-1].state["echo_1_last_verdict"]]), bool(trace.steps[-1].outputs["precise"])
 
 
 def test_a_frame_becomes_a_position() -> None:

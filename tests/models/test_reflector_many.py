@@ -38,7 +38,7 @@ def test_many_vehicles_are_simulated_as_each_one_alone(number: int) -> None:
     faults = [FAULTS[(seed + 4) % len(FAULTS)] for seed in range(number)]
     rngs = [np.random.default_rng(seed) for seed in range(number)]
     distances = measure_many(
-        "wheel", MOTION.step_nm[:, None], CONFIG.period_ms, CONFIG.odometer, rngs,
+        "wheel", MOTION.distance_nm[:, None], CONFIG.period_ms, CONFIG.odometer, rngs,
         dropout=[0.02] * number, severity=[0.9] * number, faults=[()] * number,
     )  # fmt: skip
     draws = OfMany([np.random.default_rng(100 + seed) for seed in range(number)])

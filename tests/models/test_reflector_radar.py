@@ -64,7 +64,7 @@ def line() -> World:
 def radar_inputs(scene: World, motion: Motion) -> Iterator[StepValues]:
     """A frame in the middle of every cycle; the front end brings it to the cycle's end, the speed known to 3 %."""
     rng, front = np.random.default_rng(4), FrontEnd(RADAR, max_age_ms=100)
-    middle = (motion.position_nm - motion.step_nm // 2) / 1e6
+    middle = (motion.position_nm - motion.distance_nm // 2) / 1e6
     for number, (along_mm, speed) in enumerate(zip(middle, motion.speed_mm_s, strict=True)):
         power = image(seen(scene, max(0.0, float(along_mm))), RADAR, rng, speed_mm_s=float(speed))
         now = (number + 1) * motion.period_ms

@@ -128,14 +128,14 @@ def test_a_turn_refutes_what_goes_the_other_way() -> None:
         "start_error_mm": 1_000,
         "start_truth_nm": 0,
         "start_route": 2,
-        "true_step_nm": 0,
+        "true_cycle_distance_nm": 0,
     }
     start |= {"next_wander_nm": 0, "odometer_mm": 0, **{f"route_{n}_candidate": True for n in (1, 2, 3)}, **UNSEEN}
     turn: dict[str, Cell] = {
         **quiet(CONFIG),
         "start_truth_nm": 0,
         "start_route": 2,
-        "true_step_nm": 0,
+        "true_cycle_distance_nm": 0,
         "next_wander_nm": 0,
         "odometer_mm": 0,
     }

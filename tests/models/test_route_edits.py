@@ -31,7 +31,7 @@ def made() -> tuple[Machine, list[Property]]:
 
 def placed(cycle: Cycle, error: Num | int, sign: int = -1) -> tuple[Num, Num]:
     """Where the sighting puts the vehicle, with another error or sign of the range."""
-    place = exact_to(cycle.route.reflector.value + cycle.own.sighting.value * sign, NM)
+    place = exact_to(cycle.route.reflector.value + cycle.own.sighting_range.value * sign, NM)
     return place - error, place + error
 
 
@@ -69,15 +69,15 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
         Cycle, "sighted", lambda c, _: placed(c, exact_to(c.own.sighting_error * 2, NM) + c.own.half_nm),
         "route 1 is where its reflector is sighted"),
     "what is sighted does not narrow": (Cycle, "seen", lambda _c, _r: FALSE, "route 1 is where its reflector is sighted"),
-    "an unknown model counts": (Cycle, "seen", lambda c, _: c.own.sighting.present, ONLY_SEEN),
+    "an unknown model counts": (Cycle, "seen", lambda c, _: c.own.sighting_range.present, ONLY_SEEN),
     "unseen refutes": (Cycle, "fits", lambda c, _: c.has_it & c.turns_so, ONLY_SEEN),
     "any place fits": (Cycle, "has_it", lambda c, _: there(c, anywhere=True), HAS_NOT),
     "any model fits": (Cycle, "has_it", lambda c, _: there(c, any_model=True), HAS_NOT),
     "nothing has to be there": (Cycle, "has_it", lambda _c, _r: TRUE, HAS_NOT),
     "a turn refutes nothing": (Cycle, "turns_so", lambda _c, _r: TRUE, "route 1 is given up for a turn that it does not take"),
-    "no turn refutes a course": (Cycle, "turns_so", lambda c, _: c.own.turned.eq(c.route.course), ONLY_SEEN),
+    "no turn refutes a course": (Cycle, "turns_so", lambda c, _: c.own.course_taken.eq(c.route.course), ONLY_SEEN),
     "the start's error is not added": (Cycle, "spread", lambda c, _: as_num(c.own.half_nm, NM), TRUE_ROUTE),
-    "the constant is not added to a start": (Cycle, "spread", lambda c, _: exact_to(c.own.start.value, NM), TRUE_ROUTE),
+    "the constant is not added to a start": (Cycle, "spread", lambda c, _: exact_to(c.own.start_error.value, NM), TRUE_ROUTE),
     "every width is tolerable": (Bounded, "tolerable", lambda _b, _r: TRUE, "tolerance"),
     "half the width is tolerable": (
         Bounded, "tolerable", lambda b, right: right & (b.high - b.low <= exact_to(as_num(CONFIG.tolerance_mm, MM), NM)),

@@ -64,7 +64,7 @@ def driven(*cycles: dict[str, int | bool]) -> Trace:
 
 def verdict(trace: Trace, number: int = -1) -> str:
     """What became of a cycle's solution."""
-    return FIX[int(trace.steps[number].state["fix_judged"])].label
+    return FIX[int(trace.steps[number].state["fix_last_verdict"])].label
 
 
 def mode(trace: Trace, number: int = -1) -> str:

@@ -228,10 +228,10 @@ def _wrong_by(model: selection.Selection, quantity: Quantity) -> tuple[Num, Bool
     """The first channel's error, where prediction and clock are as good as configured."""
     one, own, config = model.own.channels[0], model.own, model.own.config
     if quantity == "range":
-        hidden, clock = between(-config.range_prediction_mm, one.offset, config.range_prediction_mm), own.clock
+        hidden, clock = between(-config.range_prediction_mm, one.prediction, config.range_prediction_mm), own.clock
         return one.error, hidden & between(-config.range_clock_mm, clock, config.range_clock_mm)
-    hidden = between(-config.speed_prediction_mm_s, one.speed_offset, config.speed_prediction_mm_s)
-    return one.speed_error, hidden & between(-config.speed_clock_mm_s, own.speed_clock, config.speed_clock_mm_s)
+    hidden = between(-config.speed_prediction_mm_s, one.prediction_mm_s, config.speed_prediction_mm_s)
+    return one.speed_error, hidden & between(-config.speed_clock_mm_s, own.clock_mm_s, config.speed_clock_mm_s)
 
 
 @pytest.mark.parametrize(("quantity", "most"), [("range", 14_700), ("speed", 1_950)])

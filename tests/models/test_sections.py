@@ -170,7 +170,7 @@ def test_a_report_that_contradicts_is_rejected() -> None:
     trace = run(MODEL.composition.system, steps, first=first_state(scene(TRAIN)))
     verdict = MODEL.area.own.slots[0].last_verdict.unit
     labels = verdict.members  # type: ignore[union-attr]
-    assert "CONTRADICTED" == labels[int(trace.steps[40].state["area.train_1_judged"])]
+    assert "CONTRADICTED" == labels[int(trace.steps[40].state["area.train_1_last_verdict"])]
     assert trace.steps[40].state["area.train_1_high_mm"] > trace.steps[39].state["area.train_1_high_mm"]
 
 

@@ -92,7 +92,7 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
     "a stop behind is selected": (
         Judgement,
         "selectable",
-        lambda c, _: c.own.valid & c.named & c.known & c.own.selected.value.ne(c.own.served),
+        lambda c, _: c.own.valid & c.named & c.known & c.own.selected_stop.value.ne(c.own.served_number),
         "only a stop ahead is selected",
     ),
     "a served stop is selected again": (

@@ -25,24 +25,28 @@ def made() -> tuple[Machine, list[Property]]:
 
 Wrong = Callable[..., object]
 EDITS: dict[str, tuple[str, Wrong, str]] = {
-    "the model of an older reflector": ("latest", lambda o, _: o.last, "the model passed last stays stored"),
-    "any balise tells": ("telling", lambda o, _: o.balise, "equal models start no decision"),
+    "the model of an older reflector": (
+        "latest",
+        lambda o, _: o.last_passed_model,
+        "the model passed last stays stored",
+    ),
+    "any balise tells": ("telling", lambda o, _: o.balise_read, "equal models start no decision"),
     "no balise tells": ("telling", lambda _o, _r: FALSE, "a model passed before a balise begins a decision"),
     "equal neighbours tell": (
         "telling",
-        lambda o, _: o.balise & o.before.ne(NO_MODEL) & o.after.ne(NO_MODEL),
+        lambda o, _: o.balise_read & o.before.ne(NO_MODEL) & o.after.ne(NO_MODEL),
         "equal models start no decision",
     ),
     "any model ahead confirms": (
         "confirmed",
-        lambda o, _: ~o.balise & o.ahead.ne(NO_MODEL),
+        lambda o, _: ~o.balise_read & o.ahead_model.ne(NO_MODEL),
         "another model ends the decision",
     ),
     "nothing confirms": ("confirmed", lambda _o, _r: FALSE, "the awaited model states the direction"),
     "nothing refutes": ("refuted", lambda _o, _r: FALSE, "another model ends the decision"),
     "no reflector ahead refutes": (
         "refuted",
-        lambda o, _: ~o.balise & o.ahead.ne(o.awaited),
+        lambda o, _: ~o.balise_read & o.ahead_model.ne(o.awaited_model),
         "a decision waits for a reflector",
     ),
     "always confirmed": ("confirmed", lambda _o, _r: TRUE, "direction is true"),
@@ -61,11 +65,11 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
 @pytest.mark.parametrize(
     ("transition", "update", "claim"),
     [
-        ("fits along", {"awaited": "before"}, "a decision begins with the model passed"),
-        ("fits against", {"awaited": "after"}, "a decision begins with the model passed"),
-        ("stay along", {"asked": "asked"}, "another direction than expected contradicts"),
-        ("stay half", {"last": "passed"}, "the model passed last stays stored"),
-        ("turned", {"last": "passed"}, "turning forgets"),
+        ("fits along", {"awaited_model": "before"}, "a decision begins with the model passed"),
+        ("fits against", {"awaited_model": "after"}, "a decision begins with the model passed"),
+        ("stay along", {"asked_direction": "asked_direction"}, "another direction than expected contradicts"),
+        ("stay half", {"last_passed_model": "passed_model"}, "the model passed last stays stored"),
+        ("turned", {"last_passed_model": "passed_model"}, "turning forgets"),
     ],
 )
 def test_a_wrong_update_is_noticed(transition: str, update: dict[str, str], claim: str) -> None:

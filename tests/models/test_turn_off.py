@@ -155,7 +155,7 @@ def test_a_broken_guard_is_noticed(transition: str, broken: str) -> None:
     own = whole.own
     fields: dict[str, object] = {"when": own.measured}
     if transition == "on the switch":
-        fields = {"set": {own.noted: own.lateral}}
+        fields = {"set": {own.noted_lateral: own.lateral}}
     wrong = changed(whole.machine, transition, **fields)
     names = {prop.name: prop for prop in properties(replace(whole, machine=wrong))}
     assert not inductive(wrong, names.get(broken, names["course is true"]), broken)

@@ -26,16 +26,23 @@ def made() -> tuple[Machine, list[Property]]:
 
 Wrong = Callable[..., object]
 EDITS: dict[str, tuple[str, Wrong, str]] = {
-    "motion of the wrong sign": ("motion", lambda o, _: o.noted - o.lateral, "course is true"),
+    "motion of the wrong sign": ("motion", lambda o, _: o.noted_lateral - o.lateral, "course is true"),
     "motion since zero": ("motion", lambda o, _: o.lateral, "course is true"),
     "a switch announced by the near end": (
         "announced",
-        lambda o, _: o.switch.present & o.switch.value.ne(o.here) & (o.low < o.switch.value) & ~o.measured,
+        lambda o, _: (
+            o.switch_position.present
+            & o.switch_position.value.ne(o.here)
+            & (o.low < o.switch_position.value)
+            & ~o.measured
+        ),
         "a switch in view is watched",
     ),
     "a switch announced without its reflector": (
         "announced",
-        lambda o, _: o.switch.present & o.switch.value.ne(o.here) & (o.high < o.switch.value),
+        lambda o, _: (
+            o.switch_position.present & o.switch_position.value.ne(o.here) & (o.high < o.switch_position.value)
+        ),
         "the noted place is from before the switch",
     ),
     "no switch announced": ("announced", lambda _o, _r: FALSE, "a switch in view is watched"),

@@ -103,7 +103,7 @@ def test_it_reads_the_records_of_the_balise_machine() -> None:
     controller = Controller(load_target("unlinked_group"))
     read = telegram(replace(UNLINKED, place_mm=5_000), since_mm=0)
     values = [ValueRecord(time_ms=200, name=name, value=value) for name, value in read.items()]
-    controller.step([DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=1_000)])
-    report = controller.step([DistanceRecord(time_ms=200, end="front", unit="wheel", step_mm=1_000), *values])
+    controller.step([DistanceRecord(time_ms=100, end="front", unit="wheel", distance_mm=1_000)])
+    report = controller.step([DistanceRecord(time_ms=200, end="front", unit="wheel", distance_mm=1_000), *values])
     assert {"telegram_position_mm", "telegram_orientation"} == {one.channel for one in report.rejections}
     assert (True, 7, 3_000) == tuple(report.outputs[name] for name in ("valid", "group", "distance_mm"))

@@ -286,7 +286,7 @@ def test_figures_without_a_sense_are_refused(figures: dict[str, object], message
 def test_the_least_figures_are_accepted() -> None:
     """The widest margin right after a reading, and the farthest distance."""
     least = UnlinkedGroupConfig(tolerance_mm=50_459, reach_mm=47_590)
-    assert (50_459, 44_590) == (least.first_margin_mm, 10 * least.max_step_mm)
+    assert (50_459, 44_590) == (least.first_margin_mm, 10 * least.max_cycle_distance_mm)
 
 
 def test_a_precise_odometer_needs_less() -> None:

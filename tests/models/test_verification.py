@@ -281,7 +281,7 @@ def giving(row: str, given: Bool) -> Verification:
     """The machine whose row says itself whether something was given out."""
     model = made()
     [right] = [one for one in model.machine.transitions if one.name == row]
-    return replace(model, machine=changed(model.machine, row, set={**right.set, model.own.given: given}))
+    return replace(model, machine=changed(model.machine, row, set={**right.set, model.own.given_out: given}))
 
 
 @pytest.mark.slow
@@ -339,24 +339,28 @@ def _either(judged: Judgement) -> tuple[Num, Num]:
 
 
 EDITS: list[tuple[str, Callable[[Judgement], object], str]] = [
-    ("count_matches", lambda j: j.own.associated & j.own.seen_count.present, "mismatch withholds in the same cycle"),
-    ("length_matches", lambda j: j.own.associated & j.own.seen_length.present, "another length is withheld"),
+    ("count_matches", lambda j: j.own.associated & j.own.fibre_axles.present, "mismatch withholds in the same cycle"),
+    ("length_matches", lambda j: j.own.associated & j.own.fibre_length.present, "another length is withheld"),
     ("verified", lambda j: j.count_matches, "the age of a verification is counted"),
-    ("controlled", lambda j: j.own.control_count.present, "train control is listed where it agreed"),
-    ("age", lambda j: j.own.age, "the age of a verification is counted"),
-    ("reach", lambda j: j.own.reach, "reach grows by the fastest run"),
-    ("placed", lambda j: j.own.associated & j.own.place.present, "not located withholds"),
+    ("controlled", lambda j: j.own.control_axles.present, "train control is listed where it agreed"),
+    ("age", lambda j: j.own.verified_ago, "the age of a verification is counted"),
+    ("reach", lambda j: j.own.reach_since, "reach grows by the fastest run"),
+    ("placed", lambda j: j.own.associated & j.own.fibre_position.present, "not located withholds"),
     ("missing", lambda j: ~j.own.associated, "containment"),
-    ("usable", lambda j: j.own.sound & (j.own.record_count > 0), "only sound references"),
+    ("usable", lambda j: j.own.sound & (j.own.record_axles > 0), "only sound references"),
     (
         "speed_fits",
-        lambda j: j.own.record_speed_low <= j.own.seen_speed.value,
+        lambda j: j.own.record_speed_low <= j.own.fibre_speed.value,
         "another speed at the counter is withheld",
     ),
-    ("place_fits", lambda j: j.own.place.value <= j.own.record_place_high, "another place at the counter is withheld"),
+    (
+        "place_fits",
+        lambda j: j.own.fibre_position.value <= j.own.record_place_high,
+        "another place at the counter is withheld",
+    ),
     (
         "length_changed",
-        lambda j: j.own.seen_length.value > j.own.last_length + 80_000,
+        lambda j: j.own.fibre_length.value > j.own.last_length + 80_000,
         "a length that changes withholds",
     ),
     ("abilities", _either, "speed is bounded by the train's abilities"),

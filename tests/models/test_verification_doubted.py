@@ -71,9 +71,9 @@ def test_nothing_is_assumed_of_the_fibre() -> None:
 
     own, model = right().own, right()
     heard = {
-        own.associated, own.seen_count.value, own.seen_count.present, own.seen_length.value, own.seen_length.present,
-        own.seen_speed.value, own.seen_speed.present, own.place.value, own.place.present, own.place_above, own.place_below,
-        own.located, own.fibre_error, own.chain_tested, own.chain_failed, own.control_count.value, own.control_length.value,
+        own.associated, own.fibre_axles.value, own.fibre_axles.present, own.fibre_length.value, own.fibre_length.present,
+        own.fibre_speed.value, own.fibre_speed.present, own.fibre_position.value, own.fibre_position.present, own.fibre_margin_above, own.fibre_margin_below,
+        own.located, own.fibre_error, own.chain_tested, own.chain_failed, own.control_axles.value, own.control_length.value,
         own.control_brake.value, own.ends_low.value, own.ends_high.value,
     }  # fmt: skip
     assert not heard & set(variables(list(model.machine.world.terms.values())))
@@ -115,12 +115,12 @@ EDITS: dict[str, tuple[str, Callable[[Judgement], object], str]] = {
     "nothing is a mismatch": ("mismatch", lambda _: FALSE, "a place at any time"),
     "count ignored": (
         "count_matches",
-        lambda j: j.own.associated & j.own.seen_count.present,
+        lambda j: j.own.associated & j.own.fibre_axles.present,
         "a wrong count withholds",
     ),
     "length ignored": (
         "length_matches",
-        lambda j: j.own.associated & j.own.seen_length.present,
+        lambda j: j.own.associated & j.own.fibre_length.present,
         "a wrong length withholds",
     ),
     "ends ignored": ("ends_apart", lambda _: FALSE, "a distance of the ends"),
@@ -130,7 +130,7 @@ EDITS: dict[str, tuple[str, Callable[[Judgement], object], str]] = {
     "jump ignored": ("jumped", lambda _: FALSE, "a place from cycle to cycle"),
     "identity ignored": (
         "missing",
-        lambda j: any_of([~j.own.located, ~j.own.place.present, ~j.own.chain_tested, j.doubtful]),
+        lambda j: any_of([~j.own.located, ~j.own.fibre_position.present, ~j.own.chain_tested, j.doubtful]),
         "a pattern of nobody",
     ),
     "age of the count ignored": ("current", lambda _: TRUE, "a fibre without right count or length withholds"),

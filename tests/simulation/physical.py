@@ -67,7 +67,7 @@ def radar_law(radar: RadarConfig) -> ErrorLaw:
 
 def radar(name: str, motion: Motion, config: RadarConfig, rng: np.random.Generator) -> Distances:
     """Simulate the radar. A positive scale error: it measures too little."""
-    true = motion.step_nm
+    true = motion.distance_nm
     scale = 1 + config.scale_error_ppm / MILLION
     noise = np.clip(rng.normal(0, 0.4, len(true)), -1, 1) * _noise_nm(config, motion.period_ms)
     measured = np.rint((true / scale + noise) / NM_PER_MM).astype(np.int64)

@@ -82,7 +82,7 @@ def test_drift_is_allowed_by_rate_floor_and_knee_to_the_nanometre() -> None:
     law = ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=1_000, floor_mm_s=10, knee_mm_s=4_000)
     allowed = 600 * 1_000 + 10 * 100 * 1_000
     unit = dataclasses.replace(
-        measure("wheel", still(1), law, np.random.default_rng(0), severity=0.0), step_mm=np.array([1_000])
+        measure("wheel", still(1), law, np.random.default_rng(0), severity=0.0), distance_mm=np.array([1_000])
     )
     for extra, expected in ((0, None), (1, Breach("wheel", 0, allowed + 1, allowed))):
         motion = Motion(100, np.array([1_000_000_000 + allowed + extra]), np.zeros(1), 0)

@@ -30,8 +30,8 @@ def test_motion_is_within_what_the_vehicle_can_do(path: Path, seed: int) -> None
 def test_steps_add_up_to_the_position_exactly() -> None:
     """Positions are whole nanometres: no error is carried along."""
     motion = move(VehicleConfig(), [Leg(30_000, 50.0), Leg(0, 60.0), Leg(-5_000, 30.0)], 100, start_nm=7)
-    assert 7 + int(motion.step_nm.sum()) == int(motion.position_nm[-1])
-    assert motion.step_nm.dtype == np.int64
+    assert 7 + int(motion.distance_nm.sum()) == int(motion.position_nm[-1])
+    assert motion.distance_nm.dtype == np.int64
 
 
 def test_a_service_stops_and_turns() -> None:

@@ -52,14 +52,14 @@ def test_the_diameter_shows_in_the_distance() -> None:
     config = WheelConfig(diameter_error_ppm=82_000)
     motion = move(VEHICLE, [Leg(20_000, 60.0)], 100)
     true_mm = int(motion.position_nm[-1]) / 1e6
-    assert wheel("wheel", motion, config).step_mm.sum() == pytest.approx(true_mm / 1.082, abs=14.4)
+    assert wheel("wheel", motion, config).distance_mm.sum() == pytest.approx(true_mm / 1.082, abs=14.4)
 
 
 def test_pulses_do_not_add_up() -> None:
     """There and back: the wheel ends within one pulse and a millimetre of where it began."""
     unit = wheel("wheel", TO_AND_FRO, WheelConfig(diameter_error_ppm=0))
     back = np.flatnonzero(np.abs(TO_AND_FRO.position_nm + 3) < 2_000_000_000)[-1]
-    measured = int(unit.step_mm[: back + 1].sum())
+    measured = int(unit.distance_mm[: back + 1].sum())
     assert abs(int(TO_AND_FRO.position_nm[back]) + 3 - measured * 1_000_000) <= 14_400_000
 
 

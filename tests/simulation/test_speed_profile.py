@@ -43,12 +43,12 @@ def test_nothing_beyond_what_the_vehicle_can_do(distance_mm: int, top_mm_s: int,
     low, high = sorted(limit[:2])
     motion = drive(TRAIN, [Halt(distance_mm, 0.5, top_mm_s)], [Limit(low, high, limit[2])], 100)
     assert distance_mm * 1_000_000 == motion.position_nm[-1]
-    assert motion.step_nm.min() >= 0
+    assert motion.distance_nm.min() >= 0
     assert motion.speed_mm_s.max() <= top_mm_s + 1e-6
     change = np.diff(motion.speed_mm_s, prepend=0.0) / 0.1
     assert change.max() <= TRAIN.acceleration_mm_s2 + 1e-6
     assert change.min() >= -TRAIN.brake_mm_s2 - 1e-6
-    assert np.abs(motion.step_nm / 1e5 - motion.speed_mm_s).max() <= 101
+    assert np.abs(motion.distance_nm / 1e5 - motion.speed_mm_s).max() <= 101
 
 
 def test_a_speed_of_nothing_is_refused() -> None:

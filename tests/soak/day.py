@@ -76,7 +76,7 @@ def run(seed: int) -> Run:
 def _records(step: dict[str, int | bool]) -> Iterator[str]:
     for unit in ("wheel", "radar"):
         if (distance := step.get(f"front_{unit}_mm")) is not None:
-            yield f'"kind": "distance", "end": "front", "unit": "{unit}", "step_mm": {distance}'
+            yield f'"kind": "distance", "end": "front", "unit": "{unit}", "distance_mm": {distance}'
     for end in ("front", "rear"):
         if f"{end}_marker" in step:
             more = "".join(

@@ -38,7 +38,9 @@ def _swapped(said: Said, chance: Random) -> None:
 
 def _no_measurement(said: Said, chance: Random) -> None:
     at = chance.randrange(len(said))
-    said[at] = said[at].replace(b'"step_mm": ', chance.choice((b'"step_mm": 1e', b'"step_mm": "', b'"step_mm": null')))
+    said[at] = said[at].replace(
+        b'"distance_mm": ', chance.choice((b'"distance_mm": 1e', b'"distance_mm": "', b'"distance_mm": null'))
+    )
 
 
 def _ahead(said: Said, chance: Random) -> None:

@@ -36,7 +36,7 @@ def test_the_truth_of_a_trip_is_that_of_its_records() -> None:
     trip = day.Trip(5_000, 0, 600)
     run = trip.run
     steps = [
-        step for cycle in run.records for said in cycle for step in re.findall(r'"wheel", "step_mm": (-?\d+)', said)
+        step for cycle in run.records for said in cycle for step in re.findall(r'"wheel", "distance_mm": (-?\d+)', said)
     ]
     assert len(run.records) == len(run.truth_mm) >= day.TRIP_S[1]
     assert sum(map(int, steps)) == pytest.approx(run.truth_mm[-1], rel=0.05)

@@ -95,12 +95,12 @@ def _of_odometers(
     """Return the inputs without telegrams and announcements."""
     position = np.stack([motion.position_nm for motion in motions], axis=1)
     inputs = absent_everywhere(system, *position.shape)
-    inputs["odometer_mm"][:] = np.where(distances.present, distances.step_mm, 0)
+    inputs["odometer_mm"][:] = np.where(distances.present, distances.distance_mm, 0)
     inputs["odometer_mm.present"][:] = distances.present
     if config.checked_distance and distances.more_nm is not None:
         inputs["odometer_more_nm"][:] = distances.more_nm
     inputs["odometer_next_wander_nm"][:] = distances.wander_nm
-    inputs["true_step_nm"][:] = np.stack([motion.step_nm for motion in motions], axis=1)
+    inputs["true_cycle_distance_nm"][:] = np.stack([motion.distance_nm for motion in motions], axis=1)
     inputs["read_place_nm"][:] = position - config.antenna_mm * NM_PER_MM
     return inputs
 

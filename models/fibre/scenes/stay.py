@@ -323,7 +323,7 @@ def _body(stay: Stay, high_mm: int, run_mm: int) -> dict[str, Cell]:
     low_mm = high_mm - round(MM_PER_M * stay.train.length_m)
     return {
         "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
-        "report.step_um": run_mm * UM_PER_MM,
+        "report.true_cycle_distance_um": run_mm * UM_PER_MM,
     }  # fmt: skip
 
 

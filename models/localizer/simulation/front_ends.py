@@ -24,10 +24,10 @@ _SENDERS = tuple(one.label for one in FROM)
 def common(vehicles: Vehicles, measured: Measured) -> Columns:
     """Return the true step and place, and the distances that all sources share."""
     motion = vehicles.motion
-    columns = {"true_step_nm": Column(_cycles(motion.step_nm)), "truth_mm": Column(_truths_mm(vehicles))}
+    columns = {"true_cycle_distance_nm": Column(_cycles(motion.distance_nm)), "truth_mm": Column(_truths_mm(vehicles))}
     for name, unit in (("motion.odometer_mm", measured.odometer), ("motion.check_mm", measured.check)):
         if unit is not None:
-            columns[name] = Column(unit.step_mm, unit.present)
+            columns[name] = Column(unit.distance_mm, unit.present)
     if measured.check is not None:
         wander = Column(measured.odometer.wander_nm)
         columns |= {"odometer_next_wander_nm": wander, "motion.lawful_next_wander_nm": wander}

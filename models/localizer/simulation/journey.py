@@ -121,7 +121,7 @@ def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
 
 def speeds_um_s(motion: Motion) -> NDArray[np.int64]:
     """Return the speed at the end of each cycle, the initial one first: the mean over the cycles before and after."""
-    step = np.concatenate([motion.step_nm[:1], motion.step_nm, motion.step_nm[-1:]])
+    step = np.concatenate([motion.distance_nm[:1], motion.distance_nm, motion.distance_nm[-1:]])
     return np.asarray((step[:-1] + step[1:]) // (2 * motion.period_ms), dtype=np.int64)
 
 

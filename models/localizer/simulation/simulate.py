@@ -39,7 +39,7 @@ __all__ = ["KINDS", "PASSED_ON", "Journey", "Steps", "Stretch", "first_state", "
 
 Steps = list[dict[str, Cell]]
 WIRED = (
-    "odometer_mm", "odometer_more_nm", "step_mm", "step_more_nm", "truth_mm", "true_step_nm",
+    "odometer_mm", "odometer_more_nm", "distance_mm", "distance_more_nm", "truth_mm", "true_cycle_distance_nm",
 )  # fmt: skip
 CHECKED = ("odometer_next_wander_nm", "next_wander_nm")
 """Ghosts that the machines share, in addition to `WIRED`, if a check unit lets the odometer's error law be proved."""

@@ -60,7 +60,7 @@ def simulate_many(
     made = config.model_dump_json()
     inputs = _of_vehicles(config, _with_world(made), motion, odometers)
     passed, radars = _passed(motion, scene.route), Radars(config, scene, disturbances, draws)
-    numbers = np.zeros(odometers.step_mm.shape, dtype=np.int64)
+    numbers = np.zeros(odometers.distance_mm.shape, dtype=np.int64)
     slots = empty_slots(config.echo_slots, numbers.shape)
     before = motion.start_nm
     for cycle, now in enumerate(motion.position_nm.tolist()):
@@ -88,12 +88,12 @@ def _of_vehicles(
     config: ReflectorConfig, system: TransitionSystem, motion: Motion, odometers: Distances
 ) -> dict[str, Array]:
     """Return the inputs without balises, map and radar."""
-    inputs = absent_everywhere(system, *odometers.step_mm.shape)
-    inputs["step_mm"][:] = np.where(odometers.present, odometers.step_mm, 0)
-    inputs["step_mm.present"][:] = odometers.present
+    inputs = absent_everywhere(system, *odometers.distance_mm.shape)
+    inputs["distance_mm"][:] = np.where(odometers.present, odometers.distance_mm, 0)
+    inputs["distance_mm.present"][:] = odometers.present
     if config.checked_distance and odometers.more_nm is not None:
-        inputs["step_more_nm"][:] = odometers.more_nm
-    inputs["true_step_nm"][:] = motion.step_nm[:, None]
+        inputs["distance_more_nm"][:] = odometers.more_nm
+    inputs["true_cycle_distance_nm"][:] = motion.distance_nm[:, None]
     inputs["next_wander_nm"][:] = _last_measured(odometers)
     return inputs
 
@@ -127,7 +127,7 @@ def _read_balise(
         "balise": balise.identity,
         "balise_position_mm": balise.position_mm,
         "balise_accuracy_mm": balise.accuracy_mm,
-        "balise_since_mm": np.clip(since, -config.max_step_mm, config.max_step_mm),
+        "balise_since_mm": np.clip(since, -config.max_cycle_distance_mm, config.max_cycle_distance_mm),
     }
     if balise.search_from_mm is not None:
         cells["balise_search_from_mm"] = balise.search_from_mm

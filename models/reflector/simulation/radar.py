@@ -101,16 +101,16 @@ class Radars:
         seen = sorted((*route.reflectors, *route.beside), key=lambda one: one.position_mm)
         self._reflectors = [one for one in seen if one.position_mm not in route.missing]
 
-    def frames(self, cycle: int, step_nm: int, now: int, slots: dict[str, Array]) -> Frames:
-        """Return the frames of a cycle in which the vehicles run `step_nm` and that they end at `now`, nm; fill these empty slots."""
+    def frames(self, cycle: int, distance_nm: int, now: int, slots: dict[str, Array]) -> Frames:
+        """Return the frames of a cycle in which the vehicles run `distance_nm` and that they end at `now`, nm; fill these empty slots."""
         paused = self._draws.shares(self._all) < self._scene.pauses
         if self._disturbed.have("pause"):
             paused[list(self._disturbed.hits("pause", cycle))] = True
         frames = Frames(~paused, slots, np.zeros(len(self._all), dtype=np.int64))
         which = np.flatnonzero(~paused)
         share = self._config.frame_latency_ms / self._config.period_ms * between(self._draws, which, 0, 0.8)
-        at_frame = now - (step_nm * share).astype(np.int64)
-        near = [one for one in self._reflectors if self._in_reach(one, step_nm, now)]
+        at_frame = now - (distance_nm * share).astype(np.int64)
+        near = [one for one in self._reflectors if self._in_reach(one, distance_nm, now)]
         if near:
             self._reflected(frames, cycle, near, which, at_frame)
         if self._disturbed.have("decoy"):
@@ -118,10 +118,10 @@ class Radars:
         self._clutter(frames, which, at_frame)
         return frames
 
-    def _in_reach(self, one: Reflector, step_nm: int, now: int) -> bool:
+    def _in_reach(self, one: Reflector, distance_nm: int, now: int) -> bool:
         """Return whether a radar may receive a reflector from some place at which the vehicle is in the cycle."""
         range_mm = one.position_mm - now / NM_PER_MM + self._config.radar_offset_mm
-        run_mm = abs(step_nm) / NM_PER_MM + 1
+        run_mm = abs(distance_nm) / NM_PER_MM + 1
         return one.view_to_mm - run_mm <= range_mm <= 2 * one.view_from_mm + run_mm
 
     def _reflected(

@@ -174,8 +174,8 @@ def odometer_records(fixes: Sequence[OnRoute], along: str, straight: str) -> Ite
         step = after.position_mm - before.position_mm
         forward = after.straight_mm if step >= 0 else -after.straight_mm
         for end in _ENDS:
-            yield DistanceRecord(time_ms=after.time_ms, end=end, unit=straight, step_mm=forward)
-            yield DistanceRecord(time_ms=after.time_ms, end=end, unit=along, step_mm=step)
+            yield DistanceRecord(time_ms=after.time_ms, end=end, unit=straight, distance_mm=forward)
+            yield DistanceRecord(time_ms=after.time_ms, end=end, unit=along, distance_mm=step)
 
 
 def balise_records(

@@ -15,7 +15,7 @@ _MEANT: Mapping[str, str | None] = {
     rf"{_ENDS}_marker_position_mm": MarkerRecord.model_fields["position_mm"].description,
     rf"{_ENDS}_marker_accuracy_mm": MarkerRecord.model_fields["accuracy_mm"].description,
     rf"{_ENDS}_marker_since_mm": MarkerRecord.model_fields["since_mm"].description,
-    rf"{_ENDS}_(?!marker_)\w+_mm": DistanceRecord.model_fields["step_mm"].description,
+    rf"{_ENDS}_(?!marker_)\w+_mm": DistanceRecord.model_fields["distance_mm"].description,
     rf"{_ENDS}_\w+_pulses": PulseRecord.model_fields["pulses"].description,
 }
 """Patterns of the names of inputs that records set, with the description of the record's field."""

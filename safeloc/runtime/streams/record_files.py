@@ -38,13 +38,13 @@ from safeloc.runtime.streams.parquet import read_parquet, write_parquet
 from safeloc.runtime.streams.records import RECORD, Record, Unusable
 
 FIELDS: tuple[str, ...] = (
-    "kind", "time_ms", "end", "unit", "step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
+    "kind", "time_ms", "end", "unit", "distance_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "name",
     "value", "position_nm",
 )  # fmt: skip
 """Columns of a table of records; each row fills the columns of its kind."""
 
 _TEXT_FIELDS = ("kind", "end", "unit", "name")
-MEASURED = ("step_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
+MEASURED = ("distance_mm", "pulses", "marker", "position_mm", "accuracy_mm", "since_mm", "value", "position_nm")
 """Fields with measured values; the others identify the device and give the time."""
 
 OWN: Mapping[str, frozenset[str]] = {

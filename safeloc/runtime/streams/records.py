@@ -39,7 +39,7 @@ class DistanceRecord(Config):
     time_ms: _Time
     end: End
     unit: Name
-    step_mm: Annotated[int, Field(description="distance run in this cycle, positive towards end A (front)")]
+    distance_mm: Annotated[int, Field(description="distance run in this cycle, positive towards end A (front)")]
 
     @property
     def channel(self) -> str:
@@ -48,7 +48,7 @@ class DistanceRecord(Config):
 
     def inputs(self) -> Mapping[str, int]:
         """Return the machine inputs that it sets."""
-        return {f"{self.channel}_mm": self.step_mm}
+        return {f"{self.channel}_mm": self.distance_mm}
 
 
 class PulseRecord(Config):

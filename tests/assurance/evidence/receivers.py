@@ -18,7 +18,7 @@ FIRST, SECOND = (number(f"{name}_mm", MM, -LINE_MM, LINE_MM) for name in ("first
 FIXED, RUN = boolean("fixed"), number("run_mm", MM, -9, 9)
 PLACE, MARGIN = number("place_mm", MM, -2 * LINE_MM, 2 * LINE_MM), number("margin_mm", MM, 0, 50)
 REACH = LINE_MM * NM_PER_MM
-TRUTH, STEP = number("truth_nm", NM, -REACH, REACH), number("true_step_nm", NM, -REACH, REACH)
+TRUTH, STEP = number("truth_nm", NM, -REACH, REACH), number("true_cycle_distance_nm", NM, -REACH, REACH)
 
 
 def near(told: Num, most_mm: int) -> Bool:

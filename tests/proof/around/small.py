@@ -21,10 +21,10 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 
 LINE_MM = 100_000
-STEP = number("step_mm", MM, -100, 100)
+STEP = number("distance_mm", MM, -100, 100)
 FIX = optional("fix_mm", MM, 0, 1000)
 PLACE, AGE = number("place_mm", MM, -LINE_MM, LINE_MM), number("age_cycles", COUNT, 0, 1000)
-TRUTH, TRUE_STEP = number("truth_mm", MM, -LINE_MM, LINE_MM), number("true_step_mm", MM, -200, 200)
+TRUTH, TRUE_STEP = number("truth_mm", MM, -LINE_MM, LINE_MM), number("true_cycle_distance_mm", MM, -200, 200)
 (RUNNING,) = TABLE = modes("RUNNING")
 
 
@@ -52,9 +52,12 @@ def machine() -> Machine:
     )
 
 
-def steady(cycles: int, step_mm: int = 10, every: int = 5) -> list[dict[str, int]]:
+def steady(cycles: int, distance_mm: int = 10, every: int = 5) -> list[dict[str, int]]:
     """Equal steps, with a fix in every so-manieth cycle."""
-    return [{"step_mm": step_mm, **({"fix_mm": cycle} if cycle % every == 0 else {})} for cycle in range(1, cycles + 1)]
+    return [
+        {"distance_mm": distance_mm, **({"fix_mm": cycle} if cycle % every == 0 else {})}
+        for cycle in range(1, cycles + 1)
+    ]
 
 
 def given(system: TransitionSystem, stream: Sequence[Mapping[str, Value]]) -> Given:

@@ -18,20 +18,20 @@ SYSTEM = lower(machine())
 @pytest.mark.parametrize(
     ("widths", "drops", "delays", "said"),
     [
-        ({"stp_mm": 1}, {}, {}, "--within: integrator has no input 'stp_mm'; it has step_mm, fix_mm. Did you mean 'step_mm'?"),
-        ({"place_mm": 1}, {}, {}, "--within: integrator has no input 'place_mm' (it is a state variable, no input); it has step_mm, fix_mm."),
-        ({"fix_mm.present": 1}, {}, {}, "--within: integrator has no input 'fix_mm.present'; it has step_mm, fix_mm. Did you mean 'fix_mm'?"),
-        ({}, {"step_mm": 1}, {}, "--drop step_mm: step_mm is never absent, so no value of it can be missing."),
-        ({}, {"fixx_mm": 1}, {}, "--drop: integrator has no input 'fixx_mm'; it has step_mm, fix_mm. Did you mean 'fix_mm'?"),
+        ({"distnce_mm": 1}, {}, {}, "--within: integrator has no input 'distnce_mm'; it has distance_mm, fix_mm. Did you mean 'distance_mm'?"),
+        ({"place_mm": 1}, {}, {}, "--within: integrator has no input 'place_mm' (it is a state variable, no input); it has distance_mm, fix_mm. Did you mean 'distance_mm'?"),
+        ({"fix_mm.present": 1}, {}, {}, "--within: integrator has no input 'fix_mm.present'; it has distance_mm, fix_mm. Did you mean 'fix_mm'?"),
+        ({}, {"distance_mm": 1}, {}, "--drop distance_mm: distance_mm is never absent, so no value of it can be missing."),
+        ({}, {"fixx_mm": 1}, {}, "--drop: integrator has no input 'fixx_mm'; it has distance_mm, fix_mm. Did you mean 'fix_mm'?"),
         ({}, {"fix_mm+fix_mm": 1}, {}, "--drop fix_mm+fix_mm: an input is named twice."),
         (
-            {}, {}, {"step_mm+fix_mm": 1},
-            "--delay step_mm+fix_mm: step_mm is never absent and the others may be, so they come in no one message; "
+            {}, {}, {"distance_mm+fix_mm": 1},
+            "--delay distance_mm+fix_mm: distance_mm is never absent and the others may be, so they come in no one message; "
             "give each a --delay of its own.",
         ),
         (
-            {}, {"fix_mm": 1}, {"step_mm": 1, "fix_mm+step_mm": 1},
-            "--delay fix_mm+step_mm: step_mm is never absent and the others may be, so they come in no one message; "
+            {}, {"fix_mm": 1}, {"distance_mm": 1, "fix_mm+distance_mm": 1},
+            "--delay fix_mm+distance_mm: distance_mm is never absent and the others may be, so they come in no one message; "
             "give each a --delay of its own.",
         ),
     ],
@@ -80,7 +80,7 @@ def test_conditions_that_say_nothing(text: str, said: str) -> None:
 def test_an_unknown_name_gets_candidates() -> None:
     """All names are listed, and the nearest is suggested."""
     with pytest.raises(
-        InputError, match=r"there is no 'plce_mm'; there are step_mm, .*out_mm\. Did you mean 'place_mm'\?$"
+        InputError, match=r"there is no 'plce_mm'; there are distance_mm, .*out_mm\. Did you mean 'place_mm'\?$"
     ):
         condition("plce_mm < 3", signals(SYSTEM))
 

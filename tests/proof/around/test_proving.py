@@ -30,7 +30,7 @@ def reason(finding: Finding) -> str:
 
 def test_a_bound_holds_up_to_the_cycle_in_which_it_is_reached() -> None:
     """Fifty steps of 10 ± 2 mm sum to 600 mm at most."""
-    [holds, tighter] = around(steady(50), "place_mm <= 600", "place_mm <= 599", within={"step_mm": 2})
+    [holds, tighter] = around(steady(50), "place_mm <= 600", "place_mm <= 599", within={"distance_mm": 2})
     assert isinstance(holds.result, Proved)
     assert holds.result.certificates
     assert len(violated(tighter).steps) == 50
@@ -38,9 +38,9 @@ def test_a_bound_holds_up_to_the_cycle_in_which_it_is_reached() -> None:
 
 def test_the_factor_is_the_one_at_which_the_bound_is_reached() -> None:
     """Fifty steps exceed 600 mm from 3 mm of the 10 mm of width on."""
-    [found] = around(steady(50), "place_mm <= 600", within={"step_mm": 10})
+    [found] = around(steady(50), "place_mm <= 600", within={"distance_mm": 10})
     assert "holds at 0.299 of the widths (proved), broken at 0.300 of the widths (this run)" in reason(found)
-    assert all(step.inputs["step_mm"] <= 13 for step in violated(found).steps)
+    assert all(step.inputs["distance_mm"] <= 13 for step in violated(found).steps)
 
 
 def test_without_a_deviation_the_stream_itself_is_asked() -> None:
@@ -74,8 +74,8 @@ def test_losses_and_delays_come_together() -> None:
 
 def test_an_input_that_is_never_absent_is_read_late() -> None:
     """A step of 20 mm in cycle 3 may be read again in the two cycles after it."""
-    stream = [{"step_mm": 20 if cycle == 3 else 10} for cycle in range(1, 7)]
-    [holds, broken] = around(stream, "place_mm <= 90", "place_mm <= 89", delay={"step_mm": 2})
+    stream = [{"distance_mm": 20 if cycle == 3 else 10} for cycle in range(1, 7)]
+    [holds, broken] = around(stream, "place_mm <= 90", "place_mm <= 89", delay={"distance_mm": 2})
     assert isinstance(holds.result, Proved)
     violated(broken)
 
@@ -85,14 +85,14 @@ def test_claims_are_judged_in_the_cycles_asked() -> None:
     assert isinstance(around(steady(60), "place_mm <= 500", last=50)[0].result, Proved)
     [found] = around(steady(60), "place_mm <= 500")
     assert len(violated(found).steps) == 51
-    [late] = around(steady(60), "step_mm > 10 or place_mm > 100", first=20)
+    [late] = around(steady(60), "distance_mm > 10 or place_mm > 100", first=20)
     assert isinstance(late.result, Proved)
 
 
 def test_the_truth_is_free_within_the_laws() -> None:
     """The truth goes 5 mm apart from the place in every step, and no more."""
     [holds, broken] = around(
-        steady(20), "truth_mm - place_mm <= 100", "truth_mm - place_mm <= 99", within={"step_mm": 3}
+        steady(20), "truth_mm - place_mm <= 100", "truth_mm - place_mm <= 99", within={"distance_mm": 3}
     )
     assert isinstance(holds.result, Proved)
     assert "for all streams of the tube that obey the laws" in holds.method
@@ -101,30 +101,30 @@ def test_the_truth_is_free_within_the_laws() -> None:
 
 def test_laws_exclude_streams_of_the_tube() -> None:
     """No lawful step is above 55 mm, however wide the tube; without the law that says so, one is."""
-    stream = steady(3, step_mm=50)
-    [found] = around(stream, "step_mm <= 55", within={"step_mm": 20})
+    stream = steady(3, distance_mm=50)
+    [found] = around(stream, "distance_mm <= 55", within={"distance_mm": 20})
     assert isinstance(found.result, Proved)
     free = without(lower(machine()), [ClauseId("integrator", "the vehicle is slow")])
-    [found] = around(stream, "step_mm <= 55", within={"step_mm": 20}, system=free)
-    assert violated(found).steps[-1].inputs["step_mm"] == 56
+    [found] = around(stream, "distance_mm <= 55", within={"distance_mm": 20}, system=free)
+    assert violated(found).steps[-1].inputs["distance_mm"] == 56
 
 
 def test_an_empty_tube_is_vacuous() -> None:
     """A step of 70 mm breaks the laws together, and no width of 5 mm helps; the cycle and the laws are named."""
-    stream = [*steady(7), {"step_mm": 70}, *steady(3)]
-    [found] = around(stream, "place_mm <= 9999", within={"step_mm": 5})
+    stream = [*steady(7), {"distance_mm": 70}, *steady(3)]
+    [found] = around(stream, "place_mm <= 9999", within={"distance_mm": 5})
     assert isinstance(found.result, Vacuous)
     assert found.result.reason == (
         "the tube is empty from cycle 8 on: no stream of it obeys 'the step is measured' and 'the vehicle is slow' so far; "
         "widen the tube, or leave a law out with --without"
     )
-    [found] = around(stream, "place_mm <= 9999", within={"step_mm": 15})
+    [found] = around(stream, "place_mm <= 9999", within={"distance_mm": 15})
     assert isinstance(found.result, Proved)
 
 
 def test_a_claim_that_is_never_judged_is_vacuous() -> None:
     """Without any fix a claim on fixes says nothing."""
-    [found] = around([{"step_mm": 1}] * 4, "fix_mm <= 3")
+    [found] = around([{"distance_mm": 1}] * 4, "fix_mm <= 3")
     assert isinstance(found.result, Vacuous)
     assert "in no cycle of the stream given all of fix_mm are there" in found.result.reason
 
@@ -133,7 +133,7 @@ def test_a_wrong_hand_over_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bounds that some stream leaves are refused by the solvers, not handed over."""
     monkeypatch.setattr(hand_over, "_kept", lambda _, bounds: (bounds[0], bounds[1] - 1))
     with pytest.raises(EngineError, match="a stream leaves the states handed over"):
-        around(steady(50), "place_mm <= 600", within={"step_mm": 2})
+        around(steady(50), "place_mm <= 600", within={"distance_mm": 2})
 
 
 def test_too_little_effort_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -143,7 +143,7 @@ def test_too_little_effort_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) 
         raise hand_over.UnsettledError("limit reached")
 
     monkeypatch.setattr("safeloc.proof.around.windows.hand_over", unsettled)
-    [found] = around(steady(50), "place_mm <= 600", within={"step_mm": 2})
+    [found] = around(steady(50), "place_mm <= 600", within={"distance_mm": 2})
     assert isinstance(found.result, Unknown)
     assert "undecided in cycle" in found.result.reason
     assert "narrower widths" in found.result.reason
@@ -152,18 +152,18 @@ def test_too_little_effort_leaves_a_claim_open(monkeypatch: pytest.MonkeyPatch) 
 def test_what_is_left_when_the_whole_time_is_over_is_open() -> None:
     """With next to no time the claim is undecided, for this reason; with enough it is proved; one broken at a corner is found first."""
     ask = ("place_mm <= 650", "place_mm <= 649")
-    [open_, broken] = around(steady(50), *ask, within={"step_mm": 3}, seconds_in_all=1e-9)
+    [open_, broken] = around(steady(50), *ask, within={"distance_mm": 3}, seconds_in_all=1e-9)
     assert isinstance(open_.result, Unknown)
     assert "undecided in cycle 1: the time for the whole question is over; try narrower widths" in open_.result.reason
     assert open_.result.reason.endswith("or a greater --timeout")
     assert "broken at 1.000 of the widths (this run)" in reason(broken)
-    [proved, _] = around(steady(50), *ask, within={"step_mm": 3}, seconds_in_all=60)
+    [proved, _] = around(steady(50), *ask, within={"distance_mm": 3}, seconds_in_all=60)
     assert isinstance(proved.result, Proved)
 
 
 def test_cycles_after_the_last_one_that_is_judged_are_not_run() -> None:
     """A claim up to cycle 20 is proved within the time that the first windows take."""
     courses: list[Course] = []
-    [found] = around(steady(50), "place_mm <= 260", within={"step_mm": 3}, last=20, watched=courses.append)
+    [found] = around(steady(50), "place_mm <= 260", within={"distance_mm": 3}, last=20, watched=courses.append)
     assert isinstance(found.result, Proved)
     assert max(one.end for one in courses) == 20

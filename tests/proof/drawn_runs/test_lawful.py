@@ -21,7 +21,7 @@ from safeloc.proof.drawn_runs.profiles import PLAUSIBLE, Profile
 from tests.examples import EXAMPLES, Example
 
 (ON,) = modes("ON")
-STEP = number("step_mm", MM, -100, 100)
+STEP = number("distance_mm", MM, -100, 100)
 SEEN = optional("seen_mm", MM, -1_000, 1_000)
 TRUTH, MOVED = number("truth_nm", NM, -(10**9), 10**9), number("moved_nm", NM, -(10**9), 10**9)
 

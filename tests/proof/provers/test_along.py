@@ -16,7 +16,7 @@ from safeloc.proof.provers.limits import Limits
 
 LIMITS = Limits(seconds=5)
 IDLE, GOING = modes("IDLE", "GOING")
-STEP, GO, PLACE = number("step_mm", MM, 0, 100), boolean("go"), number("place_mm", MM, 0, 10_000)
+STEP, GO, PLACE = number("distance_mm", MM, 0, 100), boolean("go"), number("place_mm", MM, 0, 10_000)
 
 
 def goal(longest: int, most: int = 25, extra: bool = False) -> Goal:
@@ -49,7 +49,7 @@ def test_a_run_along_the_way_has_its_transitions_and_other_numbers() -> None:
     found = along(goal(9), given, LIMITS)
     assert found is not None
     assert [one.fired for one in found.steps] == [one.fired for one in given.steps]
-    assert all(one.inputs["step_mm"] <= 9 for one in found.steps)
+    assert all(one.inputs["distance_mm"] <= 9 for one in found.steps)
     assert found.steps[-1].state["place_mm"] > 25
 
 

@@ -60,7 +60,7 @@ def test_no_lawful_recording_breaks_anything(name: str) -> None:
 def test_a_breach_that_only_the_truth_shows(tmp_path: Path) -> None:
     """The vehicle truly runs back at 40 m/s in one cycle, and no unit reports it: four units are wrong together."""
     target = load_target("odometry")
-    path = changed(REVERSAL, tmp_path / "run.jsonl", 300, true_step_nm=-4_000_000_000)
+    path = changed(REVERSAL, tmp_path / "run.jsonl", 300, true_cycle_distance_nm=-4_000_000_000)
     laws = by_name(judge_recording(target, path))
     broken = {name: one for name, one in laws.items() if one.breaches}
     assert {
@@ -73,7 +73,7 @@ def test_a_breach_that_only_the_truth_shows(tmp_path: Path) -> None:
     breach = wheel.breaches[0].breach
     assert wheel.least == breach.distance
     assert -10_000_000_000 < (breach.distance or 0) < -3_000_000_000
-    assert -4_000_000_000 == breach.values["true_step_nm"]
+    assert -4_000_000_000 == breach.values["true_cycle_distance_nm"]
 
 
 def test_a_breach_that_inputs_show_is_told_apart(tmp_path: Path) -> None:
@@ -124,8 +124,8 @@ def test_single_records_show_the_clocks_of_their_sources(tmp_path: Path) -> None
         for cycle in range(1, 30)
         for record in (
             TruthRecord(time_ms=cycle * 100, position_nm=0),
-            DistanceRecord(time_ms=cycle * 100, end="front", unit="wheel", step_mm=0),
-            DistanceRecord(time_ms=cycle * 100 - (130 if cycle > 20 else 10), end="rear", unit="radar", step_mm=0),
+            DistanceRecord(time_ms=cycle * 100, end="front", unit="wheel", distance_mm=0),
+            DistanceRecord(time_ms=cycle * 100 - (130 if cycle > 20 else 10), end="rear", unit="radar", distance_mm=0),
         )
     ]
     write_records(path, records)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from safeloc.railway.audit.confusion import Sighting, common_suffix, faults_towards
 
 
-def seen(models: str, step_mm: int = 100_000) -> list[Sighting]:
+def seen(models: str, distance_mm: int = 100_000) -> list[Sighting]:
     """Reflectors of these models, evenly spaced, each with an identity of its own."""
-    return [Sighting(model, step_mm * index, f"{models}{index}") for index, model in enumerate(models)]
+    return [Sighting(model, distance_mm * index, f"{models}{index}") for index, model in enumerate(models)]
 
 
 def by_models(truth: str, believed: str) -> int | None:

@@ -130,7 +130,7 @@ def _steps(run: Sequence[Cycle]) -> list[Step]:
 
 def judged(steps: Sequence[Step]) -> set[str]:
     """Every verdict on a distance."""
-    units = [f"{end}_{unit}_judged" for end in ("front", "rear") for unit in ("wheel", "radar")]
+    units = [f"{end}_{unit}_last_verdict" for end in ("front", "rear") for unit in ("wheel", "radar")]
     return {step.label(unit) for step in steps for unit in units}
 
 
@@ -185,7 +185,7 @@ def test_the_mild_log_is_held() -> None:
     """A few distances are rejected, some fixes lie 31 m off the track; where it can be told the interval holds."""
     steps = driven("31259")
     assert {"ADMITTED", "JUMP"} == judged(steps)
-    assert 5 == sum(step.label("front_wheel_judged") == "JUMP" for step in steps)
+    assert 5 == sum(step.label("front_wheel_last_verdict") == "JUMP" for step in steps)
     assert 0 == wrong(steps)
     assert sum(bool(step.outputs["valid"]) for step in steps) > 500
 

@@ -28,10 +28,10 @@ def shipped(name: str) -> Program:
     return Program(load_target(name))
 
 
-def distances(end_ms: int, step_mm: int = STEP_MM) -> list[Record]:
+def distances(end_ms: int, distance_mm: int = STEP_MM) -> list[Record]:
     """What four units say in the cycle that ends then."""
     return [
-        DistanceRecord(time_ms=end_ms, end=end, unit=unit, step_mm=step_mm)
+        DistanceRecord(time_ms=end_ms, end=end, unit=unit, distance_mm=distance_mm)
         for end in ENDS
         for unit in ("wheel", "radar")
     ]

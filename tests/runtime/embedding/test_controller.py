@@ -147,13 +147,13 @@ def test_every_record_is_used_or_rejected_with_its_place() -> None:
     """Late, from the future, repeated, of another machine, out of range, no measurement: each with its reason."""
     controller = located()
     said = [
-        DistanceRecord(time_ms=299, end="front", unit="wheel", step_mm=1),
-        DistanceRecord(time_ms=401, end="front", unit="radar", step_mm=1),
+        DistanceRecord(time_ms=299, end="front", unit="wheel", distance_mm=1),
+        DistanceRecord(time_ms=401, end="front", unit="radar", distance_mm=1),
         marker(400),
         marker(400),
-        DistanceRecord(time_ms=400, end="front", unit="laser", step_mm=1),
-        DistanceRecord(time_ms=400, end="rear", unit="wheel", step_mm=10**9),
-        Unusable(400, "rear_radar", Reason.NOT_FINITE, "step_mm: nan"),
+        DistanceRecord(time_ms=400, end="front", unit="laser", distance_mm=1),
+        DistanceRecord(time_ms=400, end="rear", unit="wheel", distance_mm=10**9),
+        Unusable(400, "rear_radar", Reason.NOT_FINITE, "distance_mm: nan"),
         Unusable(400, "laser", Reason.NOT_FINITE),
     ]
     found = [(fault.number, fault.channel, fault.reason) for fault in controller.step(said).rejections]
@@ -215,7 +215,7 @@ def test_two_channels_that_say_the_same_input() -> None:
     assert report.interval is None
     balise = Controller(load_target("balise"))
     twice = [ValueRecord(time_ms=100, name="odometer_mm", value=5)]
-    report = balise.step([*twice, DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=1_200)])
+    report = balise.step([*twice, DistanceRecord(time_ms=100, end="front", unit="wheel", distance_mm=1_200)])
     assert {fault.channel for fault in report.rejections} == {"odometer_mm", "front_wheel"}
 
 
@@ -254,7 +254,7 @@ def test_what_may_be_incomplete_is_not_used() -> None:
 
 def test_a_flood_is_not_used() -> None:
     """More records than a cycle can have: none is used, and the rest is not even looked at."""
-    flood = [DistanceRecord(time_ms=400, end="front", unit="wheel", step_mm=0)] * (MOST_RECORDS + 50)
+    flood = [DistanceRecord(time_ms=400, end="front", unit="wheel", distance_mm=0)] * (MOST_RECORDS + 50)
     controller, empty = located(), located()
     report = controller.step(iter(flood))
     assert report.values == empty.step([]).values

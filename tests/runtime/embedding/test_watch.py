@@ -25,7 +25,7 @@ def sliding(cycles: int, first: int = 1) -> Iterator[list[Record]]:
         slid = max(LEAST_MM, STEP_MM - SLOWER_MM * cycle)
         yield [
             DistanceRecord(
-                time_ms=cycle * PERIOD_MS, end=end, unit=unit, step_mm=slid if (end, unit) == ("front", "wheel") else STEP_MM
+                time_ms=cycle * PERIOD_MS, end=end, unit=unit, distance_mm=slid if (end, unit) == ("front", "wheel") else STEP_MM
             )
             for end in ENDS
             for unit in ("wheel", "radar")
@@ -107,8 +107,8 @@ def test_a_source_with_another_clock_is_named() -> None:
     for cycle in range(1, 8):
         end_ms = cycle * PERIOD_MS
         said: list[Record] = [
-            DistanceRecord(time_ms=end_ms, end="front", unit="wheel", step_mm=STEP_MM),
-            DistanceRecord(time_ms=end_ms - (130 if cycle > 4 else 0), end="rear", unit="radar", step_mm=STEP_MM),
+            DistanceRecord(time_ms=end_ms, end="front", unit="wheel", distance_mm=STEP_MM),
+            DistanceRecord(time_ms=end_ms - (130 if cycle > 4 else 0), end="rear", unit="radar", distance_mm=STEP_MM),
         ]
         late.append(controller.step(said))
     assert [[], [], [], [], [], [[f"border: {ONE_CLOCK}"]], [[f"border: {ONE_CLOCK}"]]] == [broken(one) for one in late]

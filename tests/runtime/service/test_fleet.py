@@ -214,7 +214,7 @@ def test_a_flood_is_refused() -> None:
     """A thousand records in a cycle; with more nothing of it is used, each further one is told, and then it goes on."""
     told = Told()
     told.say(*lines(3), end(300))
-    flood = [line(distances(400, step_mm=0)[0])] * (MOST_RECORDS + 5)
+    flood = [line(distances(400, distance_mm=0)[0])] * (MOST_RECORDS + 5)
     answers = told.say(*flood, end(400))
     assert [answer["event"] for answer in answers[:-1]] == ["refused"] * 5
     assert doubted(answers[-1])
@@ -631,7 +631,7 @@ PLAIN = st.one_of(
     st.text(max_size=5),
 )
 NAMES = (
-    "kind", "time_ms", "end", "unit", "step_mm", "marker", "position_mm", "accuracy_mm", "since_mm", "name", "value", "vehicle",
+    "kind", "time_ms", "end", "unit", "distance_mm", "marker", "position_mm", "accuracy_mm", "since_mm", "name", "value", "vehicle",
     "number", "cycle", "schema", "first", "truth_mm", "front_wheel_mm", "front_marker", "pulses", "position_nm",
 )  # fmt: skip
 KINDS = st.sampled_from(["distance", "pulses", "marker", "value", "truth", "cycle"])

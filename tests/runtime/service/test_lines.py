@@ -18,7 +18,7 @@ from safeloc.runtime.streams.records import DistanceRecord, Unusable
 from tests.runtime.embedding.driving import trusting
 
 ODOMETRY = trusting()
-WHEEL = {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "step_mm": 5}
+WHEEL = {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "distance_mm": 5}
 
 
 @given(st.binary(max_size=200), st.lists(st.integers(0, 200), max_size=6))
@@ -61,7 +61,7 @@ def said(text: str | bytes | dict[str, Any], **kind: bool) -> Message:
 
 def test_a_record() -> None:
     """With its vehicle and number, or of the only one."""
-    record = DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=5)
+    record = DistanceRecord(time_ms=100, end="front", unit="wheel", distance_mm=5)
     assert said(WHEEL) == RecordLine(Envelope("1"), record)
     assert said({"vehicle": "a-7", "number": 3, **WHEEL}) == RecordLine(Envelope("a-7", 3), record)
 
@@ -69,7 +69,7 @@ def test_a_record() -> None:
 def test_a_measurement_that_is_none() -> None:
     """The device spoke: a fault of its channel."""
     text = json.dumps(WHEEL).replace("5}", "NaN}")
-    assert said(text) == RecordLine(Envelope("1"), Unusable(100, "front_wheel", Reason.NOT_FINITE, "step_mm: nan"))
+    assert said(text) == RecordLine(Envelope("1"), Unusable(100, "front_wheel", Reason.NOT_FINITE, "distance_mm: nan"))
 
 
 def test_the_end_of_a_cycle() -> None:
@@ -131,7 +131,7 @@ def test_where_lines_may_be_lost_they_are_counted() -> None:
 
 def test_steps() -> None:
     """Inputs by name; ghosts of a recording and the truth are no inputs."""
-    fields = {"front_wheel_mm": 5, "true_step_nm": 1, "truth_mm": 7, "front_wheel_next_wander_nm": 0}
+    fields = {"front_wheel_mm": 5, "true_cycle_distance_nm": 1, "truth_mm": 7, "front_wheel_next_wander_nm": 0}
     assert said(fields, inputs=True) == Step(Envelope("1"), None, {"front_wheel_mm": 5}, 7)
     numbered = {"vehicle": "a", "cycle": 3, "front_wheel_mm": 5}
     assert said(numbered, inputs=True) == Step(Envelope("a"), 3, {"front_wheel_mm": 5})

@@ -61,7 +61,7 @@ def joined(lines: list[bytes], at: int, chance: random.Random) -> None:
 
 def garbled(lines: list[bytes], at: int, chance: random.Random) -> None:
     """Or with one name or value none any more."""
-    lines[at] = lines[at].replace(chance.choice([b'"step_mm"', b"1200", b'"kind"', b'"time_ms"']), b"NaN", 1)
+    lines[at] = lines[at].replace(chance.choice([b'"distance_mm"', b"1200", b'"kind"', b'"time_ms"']), b"NaN", 1)
 
 
 def _fields(line: bytes) -> dict[str, Any]:

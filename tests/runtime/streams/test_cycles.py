@@ -20,9 +20,9 @@ from safeloc.runtime.streams.records import (
 )
 
 
-def wheel(time_ms: int, step_mm: int = 10) -> DistanceRecord:
+def wheel(time_ms: int, distance_mm: int = 10) -> DistanceRecord:
     """A distance of the front wheel."""
-    return DistanceRecord(time_ms=time_ms, end="front", unit="wheel", step_mm=step_mm)
+    return DistanceRecord(time_ms=time_ms, end="front", unit="wheel", distance_mm=distance_mm)
 
 
 def marker(time_ms: int, identity: int = 7) -> MarkerRecord:
@@ -134,8 +134,8 @@ RANGES = (
             Fault("front_marker", Reason.OUT_OF_RANGE, "front_marker_position_mm: above 499 mm", 0),
         ),
         ([ValueRecord(time_ms=50, name="door", value="OPEN")], Fault("door", Reason.WRONG_TYPE, "door: str", 0)),
-        ([Unusable(50, "front_wheel", Reason.NOT_FINITE, "step_mm: nan"), wheel(60)],
-         Fault("front_wheel", Reason.NOT_FINITE, "step_mm: nan", 0)),
+        ([Unusable(50, "front_wheel", Reason.NOT_FINITE, "distance_mm: nan"), wheel(60)],
+         Fault("front_wheel", Reason.NOT_FINITE, "distance_mm: nan", 0)),
     ],
     ids=["a sum", "one of several values", "a type", "no measurement"],
 )  # fmt: skip
@@ -159,7 +159,7 @@ def test_within_the_ranges_nothing_changes() -> None:
 def test_no_record_is_lost(said: list[tuple[int, bool]], period_ms: int) -> None:
     """Distance in the steps and records rejected account for every record, in any order of arrival."""
     records: list[Record] = [
-        DistanceRecord(time_ms=time_ms, end="rear" if rear else "front", unit="wheel", step_mm=1)
+        DistanceRecord(time_ms=time_ms, end="rear" if rear else "front", unit="wheel", distance_mm=1)
         for time_ms, rear in said
     ]
     steps = list(cycles(records, period_ms))

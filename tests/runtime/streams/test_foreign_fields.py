@@ -17,7 +17,7 @@ from safeloc.runtime.streams.records import RECORD, Record, Unusable
 from tests.runtime.embedding.driving import shipped
 
 SOUND: dict[str, dict[str, object]] = {
-    "distance": {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "step_mm": 1200},
+    "distance": {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "distance_mm": 1200},
     "pulses": {"kind": "pulses", "time_ms": 100, "end": "front", "unit": "wheel", "pulses": 3},
     "marker": {"kind": "marker", "time_ms": 100, "end": "front", "marker": 7},
     "value": {"kind": "value", "time_ms": 100, "name": "door", "value": 1},

@@ -20,7 +20,7 @@ from safeloc.runtime.streams.records import DistanceRecord, MarkerRecord
 def test_each_input_of_a_record_has_the_words_of_its_field(machine: str, distance: str, marker: str) -> None:
     """A distance is not taken for a part of a marker's reading, and what no record of a kind sets has no words."""
     found = meanings_of_inputs(load_target(machine))
-    assert found[distance] == DistanceRecord.model_fields["step_mm"].description
+    assert found[distance] == DistanceRecord.model_fields["distance_mm"].description
     if marker:
         assert found[marker] == MarkerRecord.model_fields["since_mm"].description
     assert all(found.values())

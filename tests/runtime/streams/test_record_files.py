@@ -22,7 +22,7 @@ from safeloc.runtime.streams.records import (
 )
 
 EVERY_KIND: tuple[Record, ...] = (
-    DistanceRecord(time_ms=100, end="front", unit="wheel", step_mm=-12),
+    DistanceRecord(time_ms=100, end="front", unit="wheel", distance_mm=-12),
     PulseRecord(time_ms=100, end="rear", pulses=3),
     MarkerRecord(time_ms=90, end="rear", marker=7, position_mm=-500, accuracy_mm=200, since_mm=3),
     MarkerRecord(time_ms=90, end="front", marker=8),
@@ -130,10 +130,10 @@ def test_unknown_files_are_refused(tmp_path: Path, name: str) -> None:
 
 RAW = {
     '{"kind": "truth", "time_ms": 1, "position_nm": NaN}': ("truth", Reason.NOT_FINITE, "position_nm: nan"),
-    '{"kind": "distance", "time_ms": 1, "end": "rear", "unit": "radar", "step_mm": -Infinity}': (
-        "rear_radar", Reason.NOT_FINITE, "step_mm: -inf"),
-    '{"kind": "distance", "time_ms": 1, "end": "rear", "unit": "radar", "step_mm": 1.5}': (
-        "rear_radar", Reason.WRONG_TYPE, "step_mm: 1.5"),
+    '{"kind": "distance", "time_ms": 1, "end": "rear", "unit": "radar", "distance_mm": -Infinity}': (
+        "rear_radar", Reason.NOT_FINITE, "distance_mm: -inf"),
+    '{"kind": "distance", "time_ms": 1, "end": "rear", "unit": "radar", "distance_mm": 1.5}': (
+        "rear_radar", Reason.WRONG_TYPE, "distance_mm: 1.5"),
     '{"kind": "pulses", "time_ms": 1, "end": "front", "pulses": "3"}': (
         "front_wheel", Reason.WRONG_TYPE, "pulses: '3'"),
     '{"kind": "pulses", "time_ms": 1, "end": "front", "pulses": "nan"}': (

@@ -117,30 +117,30 @@ WITHOUT_LENGTH = Arrangement(
 
 def field_over(limits: Limits) -> Field:
     """Fresh variables. No cycle passes two markers with one reader: spacing >= the farthest run of a cycle."""
-    farthest = limits.max_step_mm
+    farthest = limits.max_cycle_distance_mm
     return Field(
-        number("step_mm", MM, 0, farthest),
+        number("distance_mm", MM, 0, farthest),
         number("length_mm", MM, 0, LONGEST_VEHICLE_MM),
         number("spacing_mm", MM, farthest, LONGEST_SPACING_MM),
         number("accuracy_mm", MM, 0, 100_000),
         number("end_a_past_marker_mm", MM, 0, LONGEST_SPACING_MM - 1),
         number("end_b_past_marker_mm", MM, 0, LONGEST_SPACING_MM - 1),
         number("marker_mm", MM, 1, limits.position_limit_mm),
-        number("last_step_mm", MM, 0, farthest),
+        number("last_distance_mm", MM, 0, farthest),
         boolean("front_reads"),
         boolean("rear_reads"),
     )
 
 
 def world(field: Field, limits: Limits, arrangement: Arrangement) -> Machine:
-    """Return the field as a machine: in each step the vehicle runs `step_mm`, and the readers may pass a marker."""
+    """Return the field as a machine: in each step the vehicle runs `distance_mm`, and the readers may pass a marker."""
     (running,) = modes("RUNNING")
     front = field.phase_a + field.step >= field.spacing
     rear = field.phase_b + field.step >= field.spacing
     rest = (field.length, field.spacing, field.accuracy, field.phase_a, field.phase_b, field.place, field.last_step)
     first: dict[Var, Initial] = dict.fromkeys(rest, ANY)
     between_markers = (field.phase_a < field.spacing) & (field.phase_b < field.spacing)
-    arranged = arrangement.holds(field, limits.max_step_mm)
+    arranged = arrangement.holds(field, limits.max_cycle_distance_mm)
     meets = {"both readers pass": front & rear, "front reader passes": front, "rear reader passes": rear}
     return Machine(
         name="field",
@@ -177,7 +177,7 @@ def _moved(field: Field, front: Bool, rear: Bool) -> dict[Var, Expr]:
 def _forward(field: Field, limits: Limits) -> Bool:
     """The change of speed passes the gates, and the vehicle stays on the line."""
     change = field.step - field.last_step
-    fair = between(-limits.max_step_change_mm, change, limits.max_step_change_mm)
+    fair = between(-limits.max_cycle_distance_change_mm, change, limits.max_cycle_distance_change_mm)
     return fair & (field.position + field.step + field.spacing <= limits.position_limit_mm) & (field.rear_place >= 1)
 
 

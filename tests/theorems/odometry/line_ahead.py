@@ -86,6 +86,6 @@ def _behind(whole: LineAhead) -> Bool:
     """The machine runs forward and remembers, if any, a marker that lies behind."""
     own, line = whole.source.own, whole.composition.of(whole.line)
     last, last_place = (line.num(ghost) for ghost in whole.line.world.ghosts if isinstance(ghost, NumVar))
-    behind = whole.says.num(own.last_place) <= last_place
+    behind = whole.says.num(own.last_marker_position) <= last_place
     passed = whole.says.num(own.last_marker) <= last
     return whole.says.bool(~own.backwards) & passed & (whole.says.bool(own.last_marker.eq(0)) | behind)

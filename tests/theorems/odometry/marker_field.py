@@ -123,7 +123,7 @@ def _remembered(whole: MarkerField) -> Iterator[tuple[str, Bool]]:
     own, machine, says = whole.source.own, whole.source.machine, whole.says
     lost, candidate, *_ = machine.modes
     place, front = whole.own.num(whole.field.place), own.devices[0].values.alive
-    last = says.num(own.last_marker).eq(_identity(whole, 0)) & says.num(own.last_place).eq(place)
+    last = says.num(own.last_marker).eq(_identity(whole, 0)) & says.num(own.last_marker_position).eq(place)
     yield "the last marker is known", says.bool(machine.mode.ne(lost)).implies(last)
     yield "identities wait in order", _ordered(whole)
     empty = all_of(waiting.eq(0) for waiting in own.pending.places)
