@@ -69,7 +69,7 @@ class More:
     discharge: tuple[Machine | Clause, ...] = ()
 
 
-Behind = Callable[[Motion, Machine, Transmission, Mapping[str, Piece]], More]
+_Behind = Callable[[Motion, Machine, Transmission, Mapping[str, Piece]], More]
 """What another composition adds: from the movement, the restrictive state, the uplink, and the sources by name."""
 
 
@@ -83,7 +83,7 @@ def compose_machines(
     name: str = "localizer",
     own: Sequence[Maker] = (),
     only_own: bool = False,
-    behind: Behind = _no_more,
+    behind: _Behind = _no_more,
 ) -> Localizer:
     """Compose the localizer of a vehicle: its sources in declared order, the arbitration, then the machines that use the result.
 

@@ -143,7 +143,7 @@ def told(step: Step, seen: LookUp) -> tuple[str, bool]:
 
 
 @pytest.mark.thorough(ordinary=1)
-@pytest.mark.parametrize("name", list(reversed(RUNS)))
+@pytest.mark.parametrize("name", sorted(RUNS, reverse=True))
 def test_recordings_ship_as_they_are_made(name: str) -> None:
     """From the journey of that name, with the figures of the defaults."""
     [path] = [one for one in load_target(NAME).streams if one.name.startswith(f"{name}.")]

@@ -70,21 +70,21 @@ def test_both_branches_are_carried_and_none_is_told() -> None:
 def test_a_group_tells_the_branch() -> None:
     """The group stands on one branch, and the interval meets the place that it gives."""
     board = on_both()
-    assert board.at(340_000, **board.group("302-304", 40_000)) == ("302-304", {"302-304"})
+    assert board.at(340_000, board.group("302-304", 40_000)) == ("302-304", {"302-304"})
     assert board.at(345_000) == ("302-304", {"302-304"})
 
 
 def test_a_group_out_of_reach_contradicts() -> None:
     """It stands on a branch that is carried, but 12 m before what the interval and its own error allow is the limit."""
-    assert on_both().at(340_000, **Board().group("302-304", 28_000)) == ("302-304", {"302-304"})
-    assert on_both().at(340_000, **Board().group("302-304", 27_999)) == ("CONTRADICTION", set())
+    assert on_both().at(340_000, Board().group("302-304", 28_000)) == ("302-304", {"302-304"})
+    assert on_both().at(340_000, Board().group("302-304", 27_999)) == ("CONTRADICTION", set())
 
 
 def test_a_group_elsewhere_contradicts() -> None:
     """No carried track has it: nothing is told until the next start, whatever the position does."""
     board = on_both()
-    assert board.at(340_000, **board.group("308", 100_000)) == ("CONTRADICTION", set())
-    assert board.at(341_000, **board.group("302-304", 41_000)) == ("CONTRADICTION", set())
+    assert board.at(340_000, board.group("308", 100_000)) == ("CONTRADICTION", set())
+    assert board.at(341_000, board.group("302-304", 41_000)) == ("CONTRADICTION", set())
     assert board.start("302-304", 300_000, 50_000) == ("302-304", {"302-304"})
 
 
@@ -167,7 +167,7 @@ def test_more_tracks_than_are_carried_is_no_position() -> None:
     board = Board(tracks=2)
     board.start()
     assert board.at(300_000) == ("NOT_ALL_CARRIED", set())
-    assert board.at(340_000, **board.group("302-304", 40_000)) == ("NOT_ALL_CARRIED", set())
+    assert board.at(340_000, board.group("302-304", 40_000)) == ("NOT_ALL_CARRIED", set())
 
 
 def test_a_map_that_leaves_a_branch_out_is_no_position() -> None:
@@ -182,7 +182,7 @@ def test_a_map_that_invents_a_track_is_not_believed() -> None:
     board = Board()
     board.start()
     other = {"next_2_edge": board.number("308"), "next_2_origin_mm": 0, "next_2_length_mm": 350_000}
-    assert board.at(110_000, **other) == ("301", {"301"})
+    assert board.at(110_000, other) == ("301", {"301"})
 
 
 def test_an_entry_of_another_edge_is_no_position() -> None:
@@ -199,7 +199,7 @@ def test_without_a_position_nothing_is_told(lost: dict[str, int | bool]) -> None
     """Nor when it comes back: a start is needed."""
     board = Board()
     board.start()
-    assert board.at(120_000, **lost) == ("NO_POSITION", set())
+    assert board.at(120_000, lost) == ("NO_POSITION", set())
     assert board.at(121_000) == ("NO_POSITION", set())
     assert board.start(place_mm=130_000) == ("301", {"301"})
 

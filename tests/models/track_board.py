@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 
 from safeloc.codegen.compiled import Compiled, compile_system
@@ -44,23 +45,24 @@ class Board:
     def start(self, edge: str = "301", origin_mm: int = 0, place_mm: int = 100_000) -> Told:
         """A cycle at whose end the vehicle is at a place of an edge that a start names."""
         length = self.map.topology.edges[edge].length_mm
-        given = {
+        given: dict[str, Cell] = {
             "start_given": True,
             "start_edge": self.number(edge),
             "start_origin_mm": origin_mm,
             "start_length_mm": length,
         }
-        return self.at(origin_mm + place_mm, **given)
+        return self.at(origin_mm + place_mm, given)
 
     def at(
         self,
         place_mm: int,
+        told: Mapping[str, Cell] | None = None,
         *,
         error_mm: int = ERROR_MM,
         points: dict[str, str] | None = None,
         watched: str = "",
         left_out: str = "",
-        **told: Cell,
+        **more: Cell,
     ) -> Told:
         """A cycle at whose end the front end is within the error of a coordinate; what is told, by name.
 
@@ -76,7 +78,7 @@ class Board:
             "course_taken": "UNDECIDED", "start_given": False, "start_edge": 1, "start_origin_mm": 0, "start_length_mm": self.config.shortest_edge_mm,
             "group_place_mm": 0, "group_error_mm": 0,
         }  # fmt: skip
-        self.state, _ = self.board.step(self.state, self.board.read(quiet | answer | told))
+        self.state, _ = self.board.step(self.state, self.board.read(quiet | answer | dict(told or {}) | more))
         return self.told
 
     def group(self, edge: str, place_mm: int, error_mm: int = 2_000) -> dict[str, Cell]:
