@@ -36,7 +36,7 @@ def _held(name: str, term: Bool, statement: str) -> Property:
 def _contract(model: CountingHead) -> Iterator[Property]:
     """Claim the law that the axle counter assumes of each of its cycles."""
     of, own, machine = model.composition.of(model.cycle.machine), model.cycle.own, model.cycle.machine
-    ups, downs = of.num(own.true_ups), of.num(own.true_downs)
+    ups, downs = of.num(own.true_axles_upwards), of.num(own.true_axles_downwards)
     contract = counts_every_axle(
         fault=of.bool(machine.flag("cycle_fault")),
         axle=of.num(machine.output("cycle_axle")),
@@ -116,14 +116,14 @@ def _faults(model: CountingHead) -> Iterator[Property]:
 def _mode_is_kept(model: CountingHead) -> Bool:
     """Return whether the cycle's memory of the head's mode is the head's."""
     of, head = (model.composition.of(one.machine) for one in (model.cycle, model.head))
-    return of.num(model.cycle.own.was).eq(head.num(model.head.machine.mode))
+    return of.num(model.cycle.own.mode_before).eq(head.num(model.head.machine.mode))
 
 
 def _no_more_faults(model: CountingHead) -> Iterator[Property]:
     """Claim that nothing else is a fault."""
     flawed = _flawed(model)
     of, own = model.composition.of(model.cycle.machine), model.cycle.own
-    ups, downs = of.num(own.ups), of.num(own.downs)
+    ups, downs = of.num(own.axles_upwards), of.num(own.axles_downwards)
     head, machine = model.composition.of(model.head.machine), model.head.machine
     disturbed = head.bool(machine.flag("disturbed"))
     uncounted = head.bool(machine.fired("turned back off A", "turned back off B"))
@@ -156,12 +156,12 @@ def _added(model: CountingHead) -> Iterator[Property]:
 
     yield _held(
         "a cycle adds up its samples",
-        added(own.ups, UP) & added(own.downs, DOWN),
+        added(own.axles_upwards, UP) & added(own.axles_downwards, DOWN),
         "axles of each direction are counted from 0 at the first sample of a cycle, one more with each that the head counts",
     )
     fault, done = of.bool(machine.flag("cycle_fault")), of.bool(machine.flag("cycle_done"))
     axle, axles = of.num(machine.output("cycle_axle")), of.num(machine.output("cycle_axles"))
-    ups, downs, sound = of.num(own.ups), of.num(own.downs), done & ~fault
+    ups, downs, sound = of.num(own.axles_upwards), of.num(own.axles_downwards), done & ~fault
     yield _held(
         "a record has the cycle's axles, or a fault",
         fault.iff(done & _flawed(model))

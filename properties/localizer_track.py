@@ -91,13 +91,13 @@ def _heard(model: LocalizerTrack) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "every accepted group names its track",
-        into.bool(own.start).iff(_accepted(model)),
+        into.bool(own.start_given).iff(_accepted(model)),
         statement="the map is asked for the track of a group in exactly the cycles in which the balise machine accepted one",
     )
     course = model.composition.of(model.course.machine).num(model.course.machine.output("course"))
     yield for_all_inputs(
         "the track hears the course at a switch",
-        into.num(own.turned).eq(course),
+        into.num(own.course_taken).eq(course),
         statement="the turn that ends tracks is the one that the image of a reflector shows in this cycle",
     )
     watching = model.composition.of(model.course.machine)

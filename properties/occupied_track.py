@@ -96,13 +96,13 @@ def _possible(model: OccupiedTrack, index: int) -> Iterator[_Possible]:
     was_there = was > 0
     stays = tuple(_is(one, was, start) & one.length.eq(length) for one in own.offers)
     yield _Possible("its own edge", was_there & ~_beside(model, start, length), stays)
-    over = was_there & (own.high - start > length) & ~own.no_advance
+    over = was_there & (own.high - start > length) & ~own.surely_not_ahead
     for which, edge in _at(entry.ahead):
         leads = edge.ne(0) & _leads(entry.ahead, which)
         yield _Possible(
             f"the {which} edge ahead", over & leads, tuple(_is(one, edge, start + length) for one in own.offers)
         )
-    back = was_there & (start - own.low > 0) & ~own.no_retreat
+    back = was_there & (start - own.low > 0) & ~own.surely_not_back
     for which, edge in _at(entry.behind):
         leads = edge.ne(0) & _leads(entry.behind, which)
         ends = tuple(one.edge.eq(edge) & (one.origin + one.length).eq(start) for one in own.offers)
@@ -132,18 +132,18 @@ def _group_excludes(model: OccupiedTrack, offer: Offer) -> Bool:
     """Return whether the group that was read stands on another edge, or farther from the interval than its error."""
     own = model.own
     place, error = own.group_place + offer.origin, own.group_error
-    elsewhere = own.group.value.ne(offer.edge) | (own.low - place > error) | (place - own.high > error)
-    return own.group.present & elsewhere
+    elsewhere = own.group_edge.value.ne(offer.edge) | (own.low - place > error) | (place - own.high > error)
+    return own.group_edge.present & elsewhere
 
 
 def _turn_excludes(model: OccupiedTrack, offer: Offer) -> Bool:
     own = model.own
-    return all_of([own.turned.ne(UNDECIDED), offer.course.ne(UNDECIDED), offer.course.ne(own.turned)])
+    return all_of([own.course_taken.ne(UNDECIDED), offer.course.ne(UNDECIDED), offer.course.ne(own.course_taken)])
 
 
 def _start_excludes(model: OccupiedTrack, offer: Offer) -> Bool:
     own = model.own
-    return own.start & (own.start_edge.ne(offer.edge) | own.start_origin.ne(offer.origin))
+    return own.start_given & (own.start_edge.ne(offer.edge) | own.start_origin.ne(offer.origin))
 
 
 def _excluded(model: OccupiedTrack, offer: Offer) -> Bool:
@@ -157,8 +157,8 @@ def _unknown_joint(model: OccupiedTrack) -> Bool:
     own, terms = model.own, list[Bool]()
     for slot, entry in zip(own.slots, own.entries, strict=True):
         start, length = before(slot.origin), before(slot.length)
-        over = (own.high - start > length) & ~own.no_advance
-        back = (start - own.low > 0) & ~own.no_retreat
+        over = (own.high - start > length) & ~own.surely_not_ahead
+        back = (start - own.low > 0) & ~own.surely_not_back
         terms.append((before(slot.edge) > 0) & entry.edge.ne(before(slot.edge)) & (over | back))
     return any_of(terms)
 
@@ -280,7 +280,7 @@ def _silent(model: OccupiedTrack) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "no resurrection",
-        (_carrying(model) & ~earlier_bool(_carrying(model))).implies(model.own.start & _located(model)),
+        (_carrying(model) & ~earlier_bool(_carrying(model))).implies(model.own.start_given & _located(model)),
         statement="once no track is carried, only a start on a given position begins anew",
     )
     yield for_all_inputs(
@@ -341,7 +341,7 @@ def _starts(model: OccupiedTrack) -> Iterator[Property]:
     silent, lies = earlier_bool(~_carrying(model)), ~_beside(model, own.start_origin, own.start_length)
     yield for_all_inputs(
         "a start begins on its track",
-        (silent & own.start & _located(model) & lies).implies(
+        (silent & own.start_given & _located(model) & lies).implies(
             model.machine.flag("valid") & model.machine.output("edge").eq(own.start_edge)
         ),
         statement="a start on whose edge the position lies begins, and that edge is told in the same cycle",
@@ -352,7 +352,7 @@ def _starts(model: OccupiedTrack) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a start leaves its own track",
-        (own.start & _carrying(model)).implies(named & ~others),
+        (own.start_given & _carrying(model)).implies(named & ~others),
         statement="after a start the machine carries the track that the start names, and no other",
     )
 
@@ -428,16 +428,16 @@ def _reached(model: OccupiedTrack) -> Iterator[Property]:
     )
     yield reachable(
         "a group tells the branch",
-        machine.fired("one edge is left") & model.own.group.present & model.own.turned.eq(UNDECIDED),
+        machine.fired("one edge is left") & model.own.group_edge.present & model.own.course_taken.eq(UNDECIDED),
         statement="a group that is read can end the other tracks",
         requirements=REQUIREMENTS,
     )
     yield reachable(
         "a turn tells the branch",
         machine.fired("one edge is left")
-        & ~model.own.group.present
-        & ~model.own.start
-        & model.own.turned.ne(UNDECIDED),
+        & ~model.own.group_edge.present
+        & ~model.own.start_given
+        & model.own.course_taken.ne(UNDECIDED),
         statement="a turn that is seen can end the other tracks",
         requirements=REQUIREMENTS,
     )

@@ -143,14 +143,14 @@ def _listed(model: Selection, one: Channel) -> Iterator[Property]:
     yield for_all_inputs(
         f"{name}: what the almanac does not list is not usable",
         (current & one.standing.eq(USABLE)).implies(
-            one.elevation.present & (one.elevation.value >= config.almanac_mask_mrad)
+            one.almanac.present & (one.almanac.value >= config.almanac_mask_mrad)
         ),
         statement="with a current almanac no satellite is usable that it does not have, has as unhealthy, or has below its mask",
         requirements=("SAT-6", "SAT-D1"),
     )
     yield always(
         f"{name}: a usable satellite is above the horizon",
-        (current & one.standing.eq(USABLE)).implies((one.true_elevation >= low) & (one.true_elevation > 0)),
+        (current & one.standing.eq(USABLE)).implies((one.elevation >= low) & (one.elevation > 0)),
         statement="with a current almanac every usable satellite stands above the horizon, by at least the mask less the "
         "almanac's accuracy",
         requirements=("SAT-6",),
@@ -159,7 +159,7 @@ def _listed(model: Selection, one: Channel) -> Iterator[Property]:
     high = config.almanac_mask_mrad + config.almanac_accuracy_mrad
     yield always(
         f"{name}: the almanac refuses none in full view",
-        (current & one.elevation.present & (one.true_elevation >= high)).implies(one.standing.ne(UNLISTED)),
+        (current & one.almanac.present & (one.elevation >= high)).implies(one.standing.ne(UNLISTED)),
         statement="a satellite that a current almanac has, and that stands above the mask by at least the almanac's accuracy, "
         "is not refused because of the almanac",
         requirements=("SAT-6",),
@@ -196,7 +196,7 @@ def _is_current(model: Selection) -> Bool:
 def _unlisted(model: Selection, one: Channel) -> Bool:
     """The almanac keeps the satellite of this channel from being used."""
     config = model.own.config
-    missing = ~one.elevation.present | (one.elevation.value < config.almanac_mask_mrad)
+    missing = ~one.almanac.present | (one.almanac.value < config.almanac_mask_mrad)
     if config.almanac == "required":
         return missing | ~_is_current(model)
     return missing & _is_current(model)

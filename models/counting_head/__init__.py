@@ -70,9 +70,9 @@ def compose_machines(config: CountingHeadConfig | None = None) -> CountingHead:
     head = axle_head.build(axle_head.parts(config.head))
     cycle = head_cycle(config.samples, config.counter.axles_a_cycle, head.machine.modes)
     wires: dict[Var, Expr] = {
-        cycle.own.head: head.machine.mode,
+        cycle.own.head_mode: head.machine.mode,
         cycle.own.counted: head.machine.output("counted"),
-        cycle.own.passed: head.own.passed,
+        cycle.own.passes: head.own.passed,
     }
     whole = compose(NAME, [head.machine, cycle.machine], wires, discharge=[Clause(cycle.machine, HEARD)])
     return CountingHead(config, whole, head, cycle)

@@ -40,29 +40,31 @@ REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 class Parts:
     """The variables of the machine.
 
-    head, counted        inputs: the head's mode and the axle that it counts in this sample, wired
+    head_mode, counted        inputs: the head's mode and the axle that it counts in this sample, wired
     samples              state: samples of this cycle so far
-    ups, downs           state: axles of this cycle so far; one more than the counter takes stands for any more
+    axles_upwards, axles_downwards           state: axles of this cycle so far; one more than the counter takes stands for any more
     flawed               state: this cycle is at fault
-    was                  state: the head's mode in the sample before
-    passed               choice: the wheel that truly passed in this sample, wired
-    sampled, true_ups, true_downs   ghosts: samples of this cycle, and wheels that passed in them
+    mode_before                  state: the head's mode in the sample before
+    passes               choice: the wheel that truly passed in this sample, wired
+    true_samples, true_axles_upwards, true_axles_downwards   ghosts: samples of this cycle, and wheels that passed in them
     """
 
     def __init__(self, samples: int, most: int, head_modes: Sequence[Lit]) -> None:
         self.declared = declared = Declared()
         self.cycle_samples, self.most, self.head_modes = samples, most, tuple(head_modes)
-        self.head = declared.sensor(choice("head_mode", enumeration(self.head_modes)))
+        self.head_mode = declared.sensor(choice("head_mode", enumeration(self.head_modes)))
         self.counted = declared.sensor(choice("counted", enumeration(AXLE)))
         self.samples = declared.state(number("samples", COUNT, 0, samples), first=0)
-        self.ups = declared.state(number("axles_upwards", COUNT, 0, most + 1), first=0)
-        self.downs = declared.state(number("axles_downwards", COUNT, 0, most + 1), first=0)
+        self.axles_upwards = declared.state(number("axles_upwards", COUNT, 0, most + 1), first=0)
+        self.axles_downwards = declared.state(number("axles_downwards", COUNT, 0, most + 1), first=0)
         self.flawed = declared.state(boolean("cycle_flawed"), first=False)
-        self.was = declared.state(choice("head_mode_before", enumeration(self.head_modes)), first=self.head_modes[0])
-        self.sampled = declared.ghost(number("true_samples", COUNT, 0, samples), first=0)
-        self.true_ups = declared.ghost(number("true_axles_upwards", COUNT, 0, samples), first=0)
-        self.true_downs = declared.ghost(number("true_axles_downwards", COUNT, 0, samples), first=0)
-        self.passed = declared.choice(choice("wheel_passes", enumeration(AXLE)))
+        self.mode_before = declared.state(
+            choice("head_mode_before", enumeration(self.head_modes)), first=self.head_modes[0]
+        )
+        self.true_samples = declared.ghost(number("true_samples", COUNT, 0, samples), first=0)
+        self.true_axles_upwards = declared.ghost(number("true_axles_upwards", COUNT, 0, samples), first=0)
+        self.true_axles_downwards = declared.ghost(number("true_axles_downwards", COUNT, 0, samples), first=0)
+        self.passes = declared.choice(choice("wheel_passes", enumeration(AXLE)))
 
 
 HeadCycle = Model[Parts]
@@ -73,7 +75,7 @@ def head_cycle(samples: int, most: int, head_modes: Sequence[Lit]) -> HeadCycle:
     own, table = Parts(samples, most, head_modes), modes("WITHIN", "DONE")
     current = current_mode(table)
     sound = current.eq(table[1]) & ~own.flawed
-    way = ite(own.ups > 0, UP, ite(own.downs > 0, DOWN, NO_AXLE))
+    way = ite(own.axles_upwards > 0, UP, ite(own.axles_downwards > 0, DOWN, NO_AXLE))
     made = Machine(
         name="head_cycle",
         modes=table,
@@ -83,7 +85,7 @@ def head_cycle(samples: int, most: int, head_modes: Sequence[Lit]) -> HeadCycle:
             "cycle_done": current.eq(table[1]),
             "cycle_fault": current.eq(table[1]) & own.flawed,
             "cycle_axle": ite(sound, way, NO_AXLE),
-            "cycle_axles": ite(sound, own.ups + own.downs, 0),
+            "cycle_axles": ite(sound, own.axles_upwards + own.axles_downwards, 0),
         },
         transitions=list(_table(own, table)),
         world=_world(own),
@@ -101,9 +103,13 @@ def head_cycle(samples: int, most: int, head_modes: Sequence[Lit]) -> HeadCycle:
 
 def _counted(own: Parts) -> Bool:
     """Return the lemma: samples and axles are those of the true cycle, and the axles of one direction."""
-    same = own.ups.eq(own.true_ups) & own.downs.eq(own.true_downs) & (own.ups.eq(0) | own.downs.eq(0))
-    seen = (own.true_ups <= own.sampled) & (own.true_downs <= own.sampled)
-    return own.samples.eq(own.sampled) & seen & (~own.flawed).implies(same)
+    same = (
+        own.axles_upwards.eq(own.true_axles_upwards)
+        & own.axles_downwards.eq(own.true_axles_downwards)
+        & (own.axles_upwards.eq(0) | own.axles_downwards.eq(0))
+    )
+    seen = (own.true_axles_upwards <= own.true_samples) & (own.true_axles_downwards <= own.true_samples)
+    return own.samples.eq(own.true_samples) & seen & (~own.flawed).implies(same)
 
 
 # ------------------------------------------------------------------ the transition table
@@ -111,14 +117,18 @@ def _counted(own: Parts) -> Bool:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     within, done = table
-    samples, ups, downs = _sample_after(own), axles_after(own, own.ups, UP), axles_after(own, own.downs, DOWN)
+    samples, ups, downs = (
+        _sample_after(own),
+        axles_after(own, own.axles_upwards, UP),
+        axles_after(own, own.axles_downwards, DOWN),
+    )
     both, many = (ups > 0) & (downs > 0), ups + downs > own.most
     every: Updates = {
         own.samples: samples,
-        own.ups: ups,
-        own.downs: downs,
+        own.axles_upwards: ups,
+        own.axles_downwards: downs,
         own.flawed: (~_begins(own) & own.flawed) | sample_flawed(own) | both | many,
-        own.was: own.head,
+        own.mode_before: own.head_mode,
     }
     last = samples >= own.cycle_samples
     yield Transition("last sample of a cycle", table, done, last, every, REQUIREMENTS, 0)
@@ -143,10 +153,10 @@ def axles_after(own: Parts, before: Num, way: Lit) -> Num:
 def sample_flawed(own: Parts) -> Bool:
     """Return whether the head was disturbed, or a wheel left it uncounted or went back on it."""
     free, a_first, both_up, b_last, b_first, both_down, a_last, disturbed = own.head_modes
-    uncounted = own.was.ne(free) & own.head.eq(free) & own.counted.eq(NO_AXLE)
+    uncounted = own.mode_before.ne(free) & own.head_mode.eq(free) & own.counted.eq(NO_AXLE)
     back = ((both_up, a_first), (b_last, both_up), (both_down, b_first), (a_last, both_down))
-    went_back = any_of(own.was.eq(far) & own.head.eq(near) for far, near in back)
-    return own.head.eq(disturbed) | own.was.eq(disturbed) | uncounted | went_back
+    went_back = any_of(own.mode_before.eq(far) & own.head_mode.eq(near) for far, near in back)
+    return own.head_mode.eq(disturbed) | own.mode_before.eq(disturbed) | uncounted | went_back
 
 
 # ------------------------------------------------------------------ the world
@@ -154,23 +164,23 @@ def sample_flawed(own: Parts) -> Bool:
 
 def _world(own: Parts) -> World:
     """Return the world: the wheels that truly passed in this cycle."""
-    over = own.sampled >= own.cycle_samples
+    over = own.true_samples >= own.cycle_samples
 
     def after(passed: Num, way: Lit) -> Num:
-        more = ite(over, as_num(0, COUNT), passed) + ite(own.passed.eq(way), as_num(1, COUNT), 0)
+        more = ite(over, as_num(0, COUNT), passed) + ite(own.passes.eq(way), as_num(1, COUNT), 0)
         return minimum(more, own.cycle_samples)
 
     return World(
         ghosts=own.declared.ghosts,
         choices=own.declared.choices,
         moves={
-            own.sampled: ite(over, as_num(1, COUNT), own.sampled + 1),
-            own.true_ups: after(own.true_ups, UP),
-            own.true_downs: after(own.true_downs, DOWN),
+            own.true_samples: ite(over, as_num(1, COUNT), own.true_samples + 1),
+            own.true_axles_upwards: after(own.true_axles_upwards, UP),
+            own.true_axles_downwards: after(own.true_axles_downwards, DOWN),
         },
         clauses={
             HEARD: Law(
-                own.counted.eq(own.passed),
+                own.counted.eq(own.passes),
                 "In each sample the head counts the wheel that leaves it on the far side, with its direction, and no other.",
                 source="proved of the counting head",
                 owner="supplier",

@@ -93,8 +93,8 @@ def _into_track(
         own.located: ~guard.flag("restrictive"),
         own.low: position - below,
         own.high: position + above,
-        own.start: groups.flag("reference_accepted"),
-        own.turned: course.machine.output("course"),
+        own.start_given: groups.flag("reference_accepted"),
+        own.course_taken: course.machine.output("course"),
         own.ghosts.course: course.own.true_course,
         own.ghosts.next_truth: moves.own.ghosts.truth,
     }

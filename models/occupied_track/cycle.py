@@ -35,11 +35,11 @@ class Cycle:
 
     def leaves_ahead(self, slot: Slot) -> Bool:
         """Return whether the vehicle may have run over the end of the edge."""
-        return slot.edge.ne(NO_EDGE) & (self.own.high > slot.origin + slot.length) & ~self.own.no_advance
+        return slot.edge.ne(NO_EDGE) & (self.own.high > slot.origin + slot.length) & ~self.own.surely_not_ahead
 
     def leaves_behind(self, slot: Slot) -> Bool:
         """Return whether the vehicle may have run back over the beginning of the edge."""
-        return slot.edge.ne(NO_EDGE) & (self.own.low < slot.origin) & ~self.own.no_retreat
+        return slot.edge.ne(NO_EDGE) & (self.own.low < slot.origin) & ~self.own.surely_not_back
 
     def ways(self, slot: Slot, entry: Entry) -> Iterator[Way]:
         """Yield where the vehicle may be that was on this track: still on it, or on the edges that join it."""
@@ -74,9 +74,9 @@ class Cycle:
     def agrees(self, offer: Offer) -> Bool:
         """Return whether position, group, turn and start permit a track."""
         own = self.own
-        group = ~own.group.present | (own.group.value.eq(offer.edge) & self.group_fits(offer))
-        turn = own.turned.eq(NO_COURSE) | offer.course.eq(NO_COURSE) | own.turned.eq(offer.course)
-        start = ~own.start | (own.start_edge.eq(offer.edge) & own.start_origin.eq(offer.origin))
+        group = ~own.group_edge.present | (own.group_edge.value.eq(offer.edge) & self.group_fits(offer))
+        turn = own.course_taken.eq(NO_COURSE) | offer.course.eq(NO_COURSE) | own.course_taken.eq(offer.course)
+        start = ~own.start_given | (own.start_edge.eq(offer.edge) & own.start_origin.eq(offer.origin))
         return all_of([self.may_be_on(offer.origin, offer.length), group, turn, start])
 
     def group_fits(self, offer: Offer) -> Bool:
@@ -92,7 +92,7 @@ class Cycle:
     @property
     def begins(self) -> Bool:
         """A start gives the track, and the position lies on it."""
-        return self.located & self.own.start & self.may_be_on(self.own.start_origin, self.own.start_length)
+        return self.located & self.own.start_given & self.may_be_on(self.own.start_origin, self.own.start_length)
 
 
 def _same(offer: Offer, slot: Slot) -> Bool:

@@ -19,7 +19,7 @@ class Ghosts:
     edge, origin, length  the edge that the front end is on, the coordinate at which it begins, and its length, mm
     truth, next_truth     coordinate of the front end before the cycle and after it, nm
     place                 place of the front end on its edge, from the end at which the coordinate is smaller, nm
-    entered, entered_length  number and length of the edge that the vehicle enters if it passes a joint in this cycle
+    entered_edge, entered_length  number and length of the edge that the vehicle enters if it passes a joint in this cycle
     course                the course that the vehicle takes at the switch at which a turn may be seen
     """
 
@@ -29,7 +29,7 @@ class Ghosts:
     truth: NumVar
     place: NumVar
     next_truth: NumVar
-    entered: NumVar
+    entered_edge: NumVar
     entered_length: NumVar
     course: NumVar
 
@@ -44,7 +44,7 @@ def ghosts(declared: Declared, edges: int, origin: NumVar, length: Callable[[str
         truth=declared.ghost(truth, first=ANY),
         place=declared.ghost(number("true_place_nm", NM, 0, longest), first=ANY),
         next_truth=declared.choice(number("next_truth_nm", NM, truth.low, truth.high)),
-        entered=declared.choice(number("entered_edge", COUNT, 1, edges)),
+        entered_edge=declared.choice(number("entered_edge", COUNT, 1, edges)),
         entered_length=declared.choice(length("entered_length_mm")),
         course=declared.choice(choice("true_course", enumeration(COURSE))),
     )

@@ -89,10 +89,10 @@ class Parts:
     """The variables of the machine. Lengths in mm; coordinates are those of the localizer.
 
     located, low, high   inputs: the localizer gives a position, and the ends of its interval (min and max safe front end)
-    no_advance, no_retreat  inputs: in this cycle the vehicle surely did not run ahead, or back
-    start, start_edge    inputs: a start is given, and the edge on which the vehicle then surely is, with its origin and length
-    group                input: the edge of a balise group that was read, with the place of the front end on it, and the error
-    turned               input: the course taken at a switch, if a turn was seen
+    surely_not_ahead, surely_not_back  inputs: in this cycle the vehicle surely did not run ahead, or back
+    start_given, start_edge    inputs: a start is given, and the edge on which the vehicle then surely is, with its origin and length
+    group_edge                input: the edge of a balise group that was read, with the place of the front end on it, and the error
+    course_taken               input: the course taken at a switch, if a turn was seen
     entries              inputs: the map for each track that was carried until now
     offers               inputs: the tracks to be carried from now on; the machine takes those that follow from the others
     slots                the tracks that are carried
@@ -107,16 +107,16 @@ class Parts:
         self.located = declared.sensor(boolean("located"))
         self.low = declared.sensor(number("front_low_mm", MM, -limit, limit))
         self.high = declared.sensor(number("front_high_mm", MM, -limit, limit))
-        self.no_advance = declared.sensor(boolean("surely_not_ahead"))
-        self.no_retreat = declared.sensor(boolean("surely_not_back"))
-        self.start = declared.sensor(boolean("start_given"))
+        self.surely_not_ahead = declared.sensor(boolean("surely_not_ahead"))
+        self.surely_not_back = declared.sensor(boolean("surely_not_back"))
+        self.start_given = declared.sensor(boolean("start_given"))
         self.start_edge = declared.sensor(number("start_edge", COUNT, 1, config.edges))
         self.start_origin = declared.sensor(self._origin("start_origin_mm"))
         self.start_length = declared.sensor(self._length("start_length_mm"))
-        self.group = declared.sensor(optional("group_edge", COUNT, 1, config.edges))
+        self.group_edge = declared.sensor(optional("group_edge", COUNT, 1, config.edges))
         self.group_place = declared.sensor(number("group_place_mm", MM, 0, config.longest_edge_mm))
         self.group_error = declared.sensor(number("group_error_mm", MM, 0, config.longest_edge_mm))
-        self.turned = declared.sensor(choice("course_taken", enumeration(COURSE)))
+        self.course_taken = declared.sensor(choice("course_taken", enumeration(COURSE)))
         numbers = range(1, config.tracks + 1)
         self.entries = tuple(self._entry(declared, f"track_{one}") for one in numbers)
         self.offers = tuple(self._offer(declared, f"next_{one}") for one in numbers)

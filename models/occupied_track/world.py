@@ -63,7 +63,7 @@ def _behind(own: Parts) -> Bool:
 
 
 def _edge(own: Parts) -> Num:
-    return ite(_ahead(own) | _behind(own), own.ghosts.entered, own.ghosts.edge)
+    return ite(_ahead(own) | _behind(own), own.ghosts.entered_edge, own.ghosts.edge)
 
 
 def _length(own: Parts) -> Num:
@@ -125,7 +125,7 @@ def _at_joints(own: Parts, law: Callable[[Joint], Bool]) -> Bool:
 
 def _ways_law(own: Parts) -> Law:
     def names(joint: Joint) -> Bool:
-        return own.ghosts.entered.eq(joint.first) | own.ghosts.entered.eq(joint.second)
+        return own.ghosts.entered_edge.eq(joint.first) | own.ghosts.entered_edge.eq(joint.second)
 
     return Law(
         _at_joints(own, names),
@@ -139,7 +139,7 @@ def _ways_law(own: Parts) -> Law:
 
 def _points_law(own: Parts) -> Law:
     def leads(joint: Joint) -> Bool:
-        first, second = own.ghosts.entered.eq(joint.first), own.ghosts.entered.eq(joint.second)
+        first, second = own.ghosts.entered_edge.eq(joint.first), own.ghosts.entered_edge.eq(joint.second)
         return joint.points.eq(NOT_KNOWN) | (joint.points.eq(FIRST) & first) | (joint.points.eq(SECOND) & second)
 
     return Law(
@@ -166,7 +166,7 @@ def _length_law(own: Parts) -> Law:
 def _start_law(own: Parts) -> Law:
     right = own.start_edge.eq(_edge(own)) & own.start_origin.eq(_origin(own)) & own.start_length.eq(_length(own))
     return Law(
-        own.start.implies(right),
+        own.start_given.implies(right),
         "A start names the edge on which the front end is, the coordinate at which it begins, and its length.",
         source="[D] a balise group whose place is on the announced route, or an entry by the driver that is checked",
         owner="infrastructure",
@@ -178,7 +178,7 @@ def _group_law(own: Parts) -> Law:
     error = exact_to(own.group_error, NM)
     off = own.ghosts.next_truth - exact_to(_origin(own) + own.group_place, NM)
     return Law(
-        own.group.present.implies(own.group.value.eq(_edge(own)) & between(-error, off, error)),
+        own.group_edge.present.implies(own.group_edge.value.eq(_edge(own)) & between(-error, off, error)),
         "A group that tells the track lies on the edge on which the front end is when it has been read, and the front end is there where the "
         "group puts it, within the error that comes with it.",
         source="[D] layout rule: from a group that tells the track to the next joint it is farther than from the antenna to the front end, "
@@ -190,7 +190,7 @@ def _group_law(own: Parts) -> Law:
 
 def _turn_law(own: Parts) -> Law:
     return Law(
-        own.turned.one_of(NO_COURSE, own.ghosts.course),
+        own.course_taken.one_of(NO_COURSE, own.ghosts.course),
         "A turn that the turn-off machine sees is the course that the vehicle takes at the switch.",
         source="[D] the machine `turn_off`, and its assumptions",
         owner="supplier",
@@ -212,7 +212,8 @@ def _course_law(own: Parts) -> Law:
 def _movement_law(own: Parts) -> Law:
     seen = own.ghosts
     return Law(
-        own.no_advance.implies(seen.next_truth <= seen.truth) & own.no_retreat.implies(seen.next_truth >= seen.truth),
+        own.surely_not_ahead.implies(seen.next_truth <= seen.truth)
+        & own.surely_not_back.implies(seen.next_truth >= seen.truth),
         "If it is excluded that the vehicle ran ahead in a cycle, or back, it did not.",
         source="[M] cold movement detection, direction of the wheel's pulses",
         owner="supplier",

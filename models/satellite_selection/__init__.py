@@ -157,7 +157,7 @@ def standing(own: Parts, one: Channel) -> Num:
 
 def possibly_visible(own: Parts, one: Channel) -> Bool:
     """Return whether the almanac lets the channel's satellite be visible; a current one has it, and not below its mask."""
-    listed = one.elevation.present & (one.elevation.value >= own.config.almanac_mask_mrad)
+    listed = one.almanac.present & (one.almanac.value >= own.config.almanac_mask_mrad)
     if own.config.almanac == "required":
         return is_current(own) & listed
     return ~is_current(own) | listed

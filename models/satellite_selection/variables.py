@@ -131,7 +131,7 @@ class Channel:
 
     error, speed_error            ghosts: the signal's own error
     prediction, prediction_mm_s          ghosts: what the prediction's error makes of it along the line of sight
-    elevation      elevation by the almanac, mrad; absent: the almanac does not have the satellite, or has it as unhealthy
+    almanac      elevation by the almanac, mrad; absent: the almanac does not have the satellite, or has it as unhealthy
     true_elevation ghost
     """
 
@@ -149,8 +149,8 @@ class Channel:
     speed_error: NumVar
     prediction: NumVar
     prediction_mm_s: NumVar
-    elevation: Optional
-    true_elevation: NumVar
+    almanac: Optional
+    elevation: NumVar
 
 
 class Parts:

@@ -41,9 +41,9 @@ def _comparison_law(own: Parts, one: Channel) -> Law:
 
 
 def _almanac_law(own: Parts, one: Channel) -> Law:
-    off, most = one.elevation.value - one.true_elevation, own.config.almanac_accuracy_mrad
+    off, most = one.almanac.value - one.elevation, own.config.almanac_accuracy_mrad
     return Law(
-        (is_current(own) & one.elevation.present).implies(between(-most, off, most)),
+        (is_current(own) & one.almanac.present).implies(between(-most, off, most)),
         "The elevation that follows from a current almanac is off by no more than its accuracy: an almanac is coarse.",
         figures=("almanac_accuracy_mrad", "almanac_limit_s"),
         source="[S] 2 km within the six days of its fit; [D] the vehicle is within 60 km of where it is predicted",

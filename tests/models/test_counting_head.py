@@ -54,7 +54,7 @@ def test_the_heads_claim_is_the_contract() -> None:
     """The claim is the same function over what the head reports at the end of a cycle, and over the wheels of its samples."""
     model = compose_machines()
     of, own, machine = model.composition.of(model.cycle.machine), model.cycle.own, model.cycle.machine
-    ups, downs = of.num(own.true_ups), of.num(own.true_downs)
+    ups, downs = of.num(own.true_axles_upwards), of.num(own.true_axles_downwards)
     expected = of.bool(machine.flag("cycle_done")).implies(
         head_contract.counts_every_axle(
             fault=of.bool(machine.flag("cycle_fault")), axle=of.num(machine.output("cycle_axle")),

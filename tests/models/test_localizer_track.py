@@ -73,12 +73,12 @@ def _always_located(right: Wires, _: Machine, track: OccupiedTrack) -> Wires:
 
 def _always_straight(right: Wires, _: Machine, track: OccupiedTrack) -> Wires:
     """Every vehicle is taken to run straight on."""
-    return {**right, track.own.turned: STRAIGHT}
+    return {**right, track.own.course_taken: STRAIGHT}
 
 
 def _any_group(right: Wires, _: Machine, track: OccupiedTrack) -> Wires:
     """A group that the balise machine refused begins a track."""
-    return {**right, track.own.start: TRUE}
+    return {**right, track.own.start_given: TRUE}
 
 
 def rewired(wrong: Wrong, monkeypatch: pytest.MonkeyPatch) -> LocalizerTrack:

@@ -36,17 +36,17 @@ Wrong = Callable[..., object]
 EDITS: dict[str, tuple[str, Wrong, str]] = {
     "the end of the edge by the near end of the interval": (
         "leaves_ahead",
-        lambda c, _r, slot: slot.edge.ne(0) & (c.own.low > slot.origin + slot.length) & ~c.own.no_advance,
+        lambda c, _r, slot: slot.edge.ne(0) & (c.own.low > slot.origin + slot.length) & ~c.own.surely_not_ahead,
         TRUE_TRACK,
     ),
     "the edge counts from zero": (
-        "leaves_ahead", lambda c, _r, slot: slot.edge.ne(0) & (c.own.high > slot.length) & ~c.own.no_advance, ALL_OFFERED),
+        "leaves_ahead", lambda c, _r, slot: slot.edge.ne(0) & (c.own.high > slot.length) & ~c.own.surely_not_ahead, ALL_OFFERED),
     "nothing leaves behind": ("leaves_behind", lambda _c, _r, _slot: FALSE, TRUE_TRACK),
     "leaves behind although it did not run back": (
         "leaves_behind", lambda c, _r, slot: slot.edge.ne(0) & (c.own.low < slot.origin), FOLLOWS),
     "an end that is touched counts as left": (
         "leaves_ahead",
-        lambda c, _r, slot: slot.edge.ne(0) & (c.own.high >= slot.origin + slot.length) & ~c.own.no_advance,
+        lambda c, _r, slot: slot.edge.ne(0) & (c.own.high >= slot.origin + slot.length) & ~c.own.surely_not_ahead,
         FOLLOWS,
     ),
     "may be anywhere": ("may_be_on", lambda _c, _r, *_: TRUE, "a track that the position excludes is given up"),
@@ -58,9 +58,9 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
     "a group ends nothing": (
         "agrees", lambda c, _r, offer: c.may_be_on(offer.origin, offer.length), "a track that a group excludes is given up"),
     "an absent group is compared": (
-        "agrees", lambda c, right, offer: right & c.own.group.value.eq(offer.edge), TRUE_TRACK),
+        "agrees", lambda c, right, offer: right & c.own.group_edge.value.eq(offer.edge), TRUE_TRACK),
     "an unknown course excludes": (
-        "agrees", lambda c, right, offer: right & (c.own.turned.eq(UNDECIDED) | c.own.turned.eq(offer.course)), TRUE_TRACK),
+        "agrees", lambda c, right, offer: right & (c.own.course_taken.eq(UNDECIDED) | c.own.course_taken.eq(offer.course)), TRUE_TRACK),
     "the group's error is not added": (
         "group_fits",
         lambda c, _r, offer: (c.own.low <= offer.origin + c.own.group_place) & (c.own.high >= offer.origin + c.own.group_place),
@@ -82,8 +82,8 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
         "a track that a group excludes is given up",
     ),
     "located by the localizer's word alone": ("located", lambda c, _r: c.own.located, "without a position nothing is told"),
-    "a start begins anywhere": ("begins", lambda c, _r: c.located & c.own.start, "the told interval is that of its tracks"),
-    "a start begins without a position": ("begins", lambda c, _r: c.own.start, "no resurrection"),
+    "a start begins anywhere": ("begins", lambda c, _r: c.located & c.own.start_given, "the told interval is that of its tracks"),
+    "a start begins without a position": ("begins", lambda c, _r: c.own.start_given, "no resurrection"),
 }  # fmt: skip
 
 

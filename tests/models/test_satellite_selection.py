@@ -222,7 +222,7 @@ def _fresher(own: Parts, one: Channel) -> Expr:
 
 def _listed(own: Parts, one: Channel) -> Bool:
     """Whether the almanac has the satellite at its mask or above, however old it is."""
-    return one.elevation.present & (one.elevation.value >= own.config.almanac_mask_mrad)
+    return one.almanac.present & (one.almanac.value >= own.config.almanac_mask_mrad)
 
 
 EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
@@ -238,12 +238,12 @@ EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
     ),
     "one that the almanac does not have is listed": (
         "possibly_visible",
-        lambda own, one: LISTS(own, one) | ~one.elevation.present,
+        lambda own, one: LISTS(own, one) | ~one.almanac.present,
         "channel 1: what the almanac does not list is not usable",
     ),
     "the mask is the zenith": (
         "possibly_visible",
-        lambda own, one: LISTS(own, one) & (~own.almanac_age.present | (one.elevation.value > 1_500)),
+        lambda own, one: LISTS(own, one) & (~own.almanac_age.present | (one.almanac.value > 1_500)),
         "channel 1: the almanac refuses none in full view",
     ),
     "an expired almanac is believed": ("possibly_visible", _fresher, "an expired almanac is not used"),
