@@ -46,7 +46,12 @@ class Judgement:
         """The reference is sound and recent, has axles, and its bounds are in order."""
         own = self.own
         recent = own.record_age <= own.config.reference_age_limit_cycles
-        return own.sound & recent & (own.record_axles > 0) & (own.record_length_low <= own.record_length_high)
+        in_order = (
+            (own.record_length_low <= own.record_length_high)
+            & (own.record_place_low <= own.record_place_high)
+            & (own.record_speed_low <= own.record_speed_high)
+        )
+        return own.sound & recent & (own.record_axles > 0) & in_order
 
     @cached_property
     def contradicts(self) -> Bool:

@@ -15,6 +15,7 @@ from safeloc.properties.no_interval import no_interval
 from safeloc.properties.verification.abilities import properties as ability_properties
 from safeloc.properties.verification.doubted import properties as doubted_properties
 from safeloc.properties.verification.mismatch import properties as mismatch_properties
+from safeloc.properties.verification.mismatch import record_bounds
 from safeloc.properties.verification.reach import properties as reach_properties
 from safeloc.properties.verification.requirements import CLAIM, CONTROL, COUNTED, COURSE, EMITTER, ENTRY, STAY
 
@@ -272,6 +273,13 @@ def _record(model: Verification) -> Iterator[Property]:
         "only sound references",
         (own.due & known).implies(own.sound & recent & own.reference_from.ne(v.NOBODY) & (own.record_axles > 0)),
         statement="a record that is disturbed, old, empty or did not come is not accepted",
+        requirements=(*COUNTED, *STAY),
+    )
+    yield for_all_inputs(
+        "a record whose bounds are crossed is not accepted",
+        (own.due & known).implies(all_of(high >= low for low, high in record_bounds(own))),
+        statement="a record whose length, place or speed has a lower bound above its upper bound is not accepted: its place would "
+        "leave less open than nothing, and be trusted for too long",
         requirements=(*COUNTED, *STAY),
     )
 

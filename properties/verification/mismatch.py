@@ -132,7 +132,7 @@ def _of_record(own: Parts, was_known: Bool) -> dict[Lit, Bool]:
     """Return the mismatches of a record: it did not come, is unusable, or contradicts the stored one."""
     config, came = own.config, own.due & own.reference_from.one_of(v.AXLE_COUNTER, v.NEIGHBOUR)
     old = own.record_age > config.reference_age_limit_cycles
-    crossed = own.record_length_high < own.record_length_low
+    crossed = any_of(high < low for low, high in record_bounds(own))
     other = [
         own.record_axles.ne(before(own.stored_axles)),
         before(own.stored_length_low) > own.record_length_high,
@@ -143,6 +143,15 @@ def _of_record(own: Parts, was_known: Bool) -> dict[Lit, Bool]:
         v.REFERENCE_REFUSED: came & any_of([~own.sound, old, own.record_axles.eq(0), crossed]),
         v.REFERENCE_CONTRADICTS: was_known & any_of(came & one for one in other),
     }
+
+
+def record_bounds(own: Parts) -> tuple[tuple[Num, Num], ...]:
+    """Return the lower and the upper bound of each measurement of the record: length, place and speed."""
+    return (
+        (own.record_length_low, own.record_length_high),
+        (own.record_place_low, own.record_place_high),
+        (own.record_speed_low, own.record_speed_high),
+    )
 
 
 def _against(own: Parts, differs: Callable[[Num, Num, Num], Bool]) -> Bool:

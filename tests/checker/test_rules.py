@@ -74,6 +74,7 @@ def test_a_hypothesis_added(proofs: dict[str, Evidence]) -> None:
         assert refused(evidence.judged({file: added})), file
 
 
+@pytest.mark.thorough
 def test_a_hypothesis_left_out_that_is_not_needed(whole_proofs: dict[str, Evidence]) -> None:
     """Presuming less is no harm, where both solvers still confirm the goals."""
     evidence = whole_proofs["counting"]

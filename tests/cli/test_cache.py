@@ -156,6 +156,7 @@ def test_what_is_done_when_interrupted_is_kept(call: Call, tmp_path: Path) -> No
     assert "travel_direction: unchanged" in again.err
 
 
+@pytest.mark.thorough
 def test_what_another_run_writes_into_the_folder_is_not_kept(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

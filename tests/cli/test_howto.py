@@ -25,7 +25,7 @@ def written(folder: Path, name: str, text: str) -> str:
     return f"{folder / name}.py:machine"
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 def test_the_floor_is_undecided_and_says_why(call: Call, tmp_path: Path) -> None:
     """With a state that has one tile too few, and where to read on."""
     called = call("prove", written(tmp_path, "floor_undecided", blocks("undecided")[0]), *SECONDS)

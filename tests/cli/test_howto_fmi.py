@@ -16,6 +16,7 @@ PAGES = Path(__file__).parents[2] / "docs" / "howto"
 PAGE = (PAGES / "fmi.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 @needs_compiler
 def test_the_master_prints_what_the_page_says(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With the page's own commands; a refused measurement alone is left out, and the step is taken again."""

@@ -82,6 +82,7 @@ def test_a_violation_comes_first(call: Call, tmp_path: Path) -> None:
     assert "not all holds; quick: " in called.out.splitlines()[-1]
 
 
+@pytest.mark.thorough
 def test_a_quick_result_is_never_a_complete_one(call: Call, tmp_path: Path) -> None:
     """With one cache: the complete run proves anew after a quick one, and the quick one proves nothing after it."""
     cache = ("--cache", str(tmp_path / "cache"), "--out", str(tmp_path / "r"), *QUICK_VERIFY)

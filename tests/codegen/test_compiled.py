@@ -116,6 +116,7 @@ def test_a_long_conjunction_stays_one_test() -> None:
     assert code.step(code.first(), (0,) * 119 + (9,)) == ((0, False), (1,))
 
 
+@pytest.mark.thorough
 def test_tests_within_tests_without_end_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the limit the text cannot be loaded."""
     monkeypatch.setattr(case_splitting, "DEEPEST_CASE", 1_000)

@@ -126,12 +126,12 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     "no sample is a fault": ("sample_flawed", lambda own: FALSE, "a disturbance is a fault of the cycle"),
     "a wheel that leaves uncounted is none": (
         "sample_flawed",
-        lambda own: FLAWED(own) & own.head.ne(own.head_modes[0]),
+        lambda own: FLAWED(own) & own.head_mode.ne(own.head_modes[0]),
         "a wheel that leaves uncounted is a fault of the cycle",
     ),
     "a wheel that goes back is none": (
         "sample_flawed",
-        lambda own: FLAWED(own) & own.head.one_of(own.head_modes[0], own.head_modes[-1]),
+        lambda own: FLAWED(own) & own.head_mode.one_of(own.head_modes[0], own.head_modes[-1]),
         "a wheel that goes back on the head is a fault of the cycle",
     ),
     "every sample is a fault": ("sample_flawed", lambda own: TRUE, "nothing else is a fault of the cycle"),

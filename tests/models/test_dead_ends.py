@@ -34,7 +34,7 @@ SLOW = {
 SYSTEMS = [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in ENTRIES]
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_no_run_comes_to_a_dead_end(name: str) -> None:
     """Proved, not only searched."""

@@ -99,6 +99,7 @@ def test_recovery_takes_several_patterns() -> None:
     assert (found[45], found[62]) == ("FAILED", "TESTED")
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties, without bound."""
     assert unproved_of(made().machine, properties(made())) == {}

@@ -320,7 +320,7 @@ def test_faulty_readings_of_the_front_reader(fault: str, reading: str | None) ->
 
 
 @pytest.mark.parametrize(
-    ("fault", "last_verdict"),
+    ("fault", "judged"),
     [("distance-missing", "MISSING"), ("distance-jump", "TOO_FAST"), ("wheel-slide", "JUMP"), ("wheel-slip", "JUMP"),
      ("wheel-stuck", "JUMP")],
 )  # fmt: skip
@@ -333,7 +333,7 @@ def test_a_faulty_wheel_beside_a_radar(fault: str, judged: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "last_verdict", "reason"),
+    ("fault", "judged", "reason"),
     [("distance-missing", "MISSING", {"NO_REFERENCE", "NONE", "TOLERANCE"}),
      ("distance-jump", "TOO_FAST", {"NO_REFERENCE", "NONE"})],
 )  # fmt: skip

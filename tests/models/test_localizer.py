@@ -86,6 +86,7 @@ def _half(whole: Localizer) -> Mapping[str, Expr]:
     return {"reference_accuracy_mm": minimum(first.stated.below, whole.config.satellite.tolerance_mm)}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "wrong", [_untrusted, *(pytest.param(one, marks=pytest.mark.slow) for one in (_no_error, _half))]
 )

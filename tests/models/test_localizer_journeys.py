@@ -111,7 +111,7 @@ def test_a_lawful_journey_keeps_what_is_assumed(name: str) -> None:
         state, _ = step(system, state, inputs)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name.replace(" ", "-"))
 def test_what_goes_wrong_is_noticed_as_told(case: Case) -> None:
     """What is told of it fires, more often than on the nominal journey; no interval is wrong that could be right."""

@@ -73,6 +73,7 @@ def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConf
     assert not known.refuted
 
 
+@pytest.mark.thorough
 def test_a_creep_is_added_to_the_last_unit() -> None:
     """One nm less in a cycle that adds the creep alone: to be discharged, and not kept."""
     whole = _with(CREEPS)

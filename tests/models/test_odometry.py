@@ -358,7 +358,7 @@ def test_a_faulty_wheel_never_makes_the_interval_wrong(kind: str, single_fault_s
             assert record["truth_mm"] <= out["position_mm"] + out["margin_above_mm"]
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(4))
 def test_simulated_sensors_keep_the_assumption(seed: int) -> None:
     """The simulation with its ghosts satisfies the assumption in every step, so the interval always holds the truth."""

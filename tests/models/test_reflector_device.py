@@ -331,7 +331,7 @@ def fired(name: str, machine: str, *transitions: str) -> list[int]:
     return [at for at, one in enumerate(steps) if one.fired[f"{machine}.fired"] in transitions]
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SCENES)
 def test_every_interval_holds_the_truth(name: str) -> None:
     """The recording obeys every law to its end, and the front end lies in each interval that the host gets."""

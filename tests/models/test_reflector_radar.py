@@ -116,6 +116,7 @@ def test_the_truth_is_held(run: list[Cycle]) -> None:
         assert position - below <= cycle.truth_mm <= position + above
 
 
+@pytest.mark.thorough
 def test_in_view_the_position_is_that_of_the_radar(run: list[Cycle]) -> None:
     """Both reflectors are measured, at 25 m/s to a metre and a half: a quarter of it by the radar, the rest by what a self-test
     over a balise known to 1 m leaves open; between them odometry has metres."""

@@ -38,7 +38,7 @@ WRITE: Mapping[str, Callable[[Path], list[Path]]] = {
     "verification": partial(write_runs, runs=verification_runs.ON_DEMAND, config=VerificationConfig()),
 }
 DIGESTS = {
-    "axle_counter-braking.jsonl.gz": "bb63f47c576446ff",
+    "axle_counter-braking.jsonl.gz": "71df30c4d4722b87",
     "axle_counter-miscount.jsonl.gz": "6494c127df9b3b5b",
     "axle_counter-power-up.jsonl.gz": "3ea93a71d207e05c",
     "axle_section-miscount.jsonl.gz": "33110548ca24526f",

@@ -434,6 +434,7 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
     return predicted
 
 
+@pytest.mark.thorough
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("name", "broken", "noticed"),
@@ -460,7 +461,7 @@ def test_a_wrong_edit_of_prediction_or_restart_is_noticed(
     assert lost_by(model.composition.system, properties(model), noticed)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("noticed", ["containment", "a satellite that violates the criterion never counts"])
 def test_a_selection_that_accepts_every_satellite_is_noticed(noticed: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """SAT-1: that usable signals keep their bounds follows from the criterion, and from nothing that is assumed of them."""
@@ -513,6 +514,7 @@ def test_a_term_that_is_not_added_is_noticed(
     assert not inductive_in(model.composition.system, asked, NARROWED)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["range", pytest.param("speed", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "left_out", [*(pytest.param(one, marks=pytest.mark.slow) for one in LEFT_OUT[:-1]), LEFT_OUT[-1]], ids=" and ".join

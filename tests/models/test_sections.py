@@ -195,6 +195,7 @@ def test_recordings_are_replayed_only_where_they_fit(area: dict[str, Any]) -> No
 NOT_COUNTED: dict[str, Any] = {"trains": 1, "borders": "occupancy"}
 
 
+@pytest.mark.thorough
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     "area",
@@ -243,7 +244,7 @@ def _believing(machine: Machine) -> Machine:
     return rebuilt(machine, table)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("fault", "noticed"),
     [

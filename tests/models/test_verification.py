@@ -114,6 +114,11 @@ def test_named_faults(name: str, reason: str, *, revoked: bool) -> None:
         ({"reference_due": True, "record_axles": 44}, "REFERENCE_CONTRADICTS"),
         ({"reference_due": True, "record_sound": False}, "REFERENCE_REFUSED"),
         ({"reference_due": True, "record_age_cycles": 5}, "REFERENCE_REFUSED"),
+        ({"reference_due": True, "record_place_low_mm": 10_001, "record_place_high_mm": 10_000}, "REFERENCE_REFUSED"),
+        (
+            {"reference_due": True, "record_speed_low_mm_s": 20_001, "record_speed_high_mm_s": 20_000},
+            "REFERENCE_REFUSED",
+        ),
         ({"reference_due": True, "record_speed_low_mm_s": 10_000, "record_speed_high_mm_s": 11_000}, "SPEED_AT_ENTRY"),
         ({"reference_due": True, "record_place_low_mm": 0, "record_place_high_mm": 10_000}, "PLACE_AT_ENTRY"),
     ],
@@ -338,7 +343,15 @@ def _either(judged: Judgement) -> tuple[Num, Num]:
     return faster, slower
 
 
+def _lengths_in_order(judged: Judgement) -> Bool:
+    """Only the bounds of the length are compared, as it was before: a crossed place was trusted for too long."""
+    own, config = judged.own, judged.own.config
+    recent = own.record_age <= config.reference_age_limit_cycles
+    return own.sound & recent & (own.record_axles > 0) & (own.record_length_low <= own.record_length_high)
+
+
 EDITS: list[tuple[str, Callable[[Judgement], object], str]] = [
+    ("usable", _lengths_in_order, "a record whose bounds are crossed is not accepted"),
     ("count_matches", lambda j: j.own.associated & j.own.fibre_axles.present, "mismatch withholds in the same cycle"),
     ("length_matches", lambda j: j.own.associated & j.own.fibre_length.present, "another length is withheld"),
     ("verified", lambda j: j.count_matches, "the age of a verification is counted"),

@@ -74,6 +74,7 @@ def _alone(by: Breaking, whole: Target) -> list[Effect]:
     return by.singles(whole, by.cores(whole))
 
 
+@pytest.mark.thorough
 def test_a_clause_that_is_not_needed_does_no_harm() -> None:
     """Every claim is kept, and the interval holds the truth."""
     assert [*singles()] == [FIRST, SECOND, MEASURED, ENDS, FAST]

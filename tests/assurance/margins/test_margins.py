@@ -258,6 +258,7 @@ def test_the_command(call: Call, tmp_path: Path) -> None:
     assert "'rate_ppm:sideways'" in pair.err
 
 
+@pytest.mark.thorough
 def test_a_front_is_printed_drawn_and_kept(call: Call, tmp_path: Path) -> None:
     """A vehicle with a longer stretch between its readers may err less; the second call finds the points in the store."""
     words = [f"{TWO_READERS}:machine", "--config", str(TWO_READERS.with_suffix(".toml")), "--cache", str(tmp_path)]

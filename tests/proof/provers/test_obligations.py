@@ -41,7 +41,7 @@ def test_every_example_keeps_its_obligations(example: Example) -> None:
         assert {f"transition {machine.name}: {row.name}" for row in machine.transitions} <= names
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_witnesses_are_streams_that_run(example: Example) -> None:
     """Every witness, run again, ends in the mode or transition that it shows."""
@@ -187,6 +187,7 @@ def test_an_assumption_that_cannot_be_kept_is_violated() -> None:
     assert verdict.reason == "no run satisfies the assumption: every proof under it would be empty"
 
 
+@pytest.mark.thorough
 def test_the_assumption_can_be_kept_in_motion() -> None:
     """The witness moves every input that the assumption leaves free, and the others are named."""
     found = _found(counter())["assumption"]

@@ -87,6 +87,7 @@ def test_a_short_target_begins_beside_the_longest(jobs: int, order: list[int]) -
     assert [names[place] for place in order] == began
 
 
+@pytest.mark.thorough
 def test_what_a_target_raises_is_raised(tmp_path: Path) -> None:
     """For a recording that the machine cannot take, the error has file and line; it is not a lost process."""
     path = tmp_path / "other.jsonl"

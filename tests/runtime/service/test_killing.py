@@ -121,7 +121,7 @@ def by_hand(given: dict[int, list[Any]], last: int) -> list[Data]:
     return [controller.step(given.get(cycle, [])).as_data() for cycle in range(1, last + 1)]
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 8))])
 def test_what_was_missed_adds_error(tmp_path: Path, seed: int) -> None:
     """Over TCP, killed after a snapshot: afterwards every report is that of an uninterrupted machine which got nothing in
@@ -255,6 +255,7 @@ def test_two_processes_do_not_share_a_snapshot(tmp_path: Path) -> None:
         assert b"another process saves its snapshots there" in second.stderr
 
 
+@pytest.mark.thorough
 def test_standard_input_that_goes_on_is_doubted_once(tmp_path: Path) -> None:
     """A pipe has no positions: what came while nobody listened may be lost, and the cycles at both ends are doubtful."""
     arguments = ("--snapshot", str(tmp_path / "snapshot.json"))

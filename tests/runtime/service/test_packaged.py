@@ -156,6 +156,7 @@ def filters() -> tuple[set[str], set[str]]:
     return system_calls(*allowed.split()) - away, away
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(
     not (shutil.which("strace") and shutil.which("systemd-analyze")), reason="not installed: strace, systemd-analyze"
 )

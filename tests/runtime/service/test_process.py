@@ -87,7 +87,7 @@ def test_nothing_decided(tmp_path: Path) -> None:
         (("--from", "tcp:99999"), "is no port"),
         (("--from", "tcp:8.8.8.8:9000"), "8.8.8.8 is not on this computer"),
         (("--from", "udp:host:9000"), "is no address"),
-        (("--from", "mail"), "choose stdin, file:PATH, tcp:PORT, udp:PORT or proxy:PORT"),
+        (("--from", "mail"), "choose stdin, file:PATH, tcp:PORT, udp:PORT, proxy:PORT or mqtts://HOST/PREFIX"),
         (("--to", "back"), "choose stdout, file:PATH, or back where"),
         (("--until-end",), "--until-end is for --from file:PATH"),
         (("--expect", "front_wheel"), "give CHANNEL=N"),

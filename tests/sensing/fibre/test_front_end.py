@@ -43,7 +43,7 @@ def plain_run(speed: float = 40.0) -> Outcomes:
     return tuple(seen(world(coaches(5, 200 if speed > 0 else 1_800, speed)), 80))
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("speed", [40.0, -40.0])
 def test_a_train_is_told_within_its_bounds(speed: float) -> None:
     """Ends, length and speed, in both directions; one track all along."""
@@ -68,6 +68,7 @@ def test_front_and_rear_follow_the_direction() -> None:
         assert (train.front.path_mm.low > train.rear.path_mm.low) is (speed > 0)
 
 
+@pytest.mark.thorough
 def test_times_of_flight_grow_as_the_train_goes_away() -> None:
     """And lie within the fibre's two-way time: 9.79 ns a metre."""
     ends = [train.high for _, train in told(plain_run()) if train.high is not None]
