@@ -219,6 +219,12 @@ RECORDS = """{"kind": "value", "time_ms": 50, "name": "speed", "value": 0}
 def test_a_recording_of_single_records_replays(call: Call, tmp_path: Path) -> None:
     """Grouped into steps; what is not used, unknown channels among it, is counted by channel and reason, and is no input."""
     path = tmp_path / "run.jsonl"
+    path.write_text(RECORDS, encoding="utf-8")
+    called = call("replay", DOOR, str(path))
+    assert (called.code, "single records, not steps: say how long a cycle is" in " ".join(called.err.split())) == (
+        2,
+        True,
+    )
     late = '{"kind": "distance", "time_ms": 40, "end": "front", "unit": "wheel", "distance_mm": NaN}\n'
     path.write_text(RECORDS + late, encoding="utf-8")
     called = call("replay", DOOR, str(path), "--period-ms", "100")

@@ -245,6 +245,10 @@ def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) ->
     steps = ((name, line) for line, step in zip(stream.lines, stream.steps, strict=True) for name in step)
     for name, line in chain(stream.columns.items(), steps):
         if name not in known and name not in _REMARKS:
+            if name == _OF_A_RECORD:
+                raise StreamError(
+                    f"{path}:{line}: these are single records, not steps: say how long a cycle is, --period-ms 100 (docs/records.md)."
+                )
             inputs = sorted(one for one in known if not one.endswith(".present"))
             raise StreamError(
                 f"{path}:{line}: {system.name} has no input {quoted(name)}; it has {inputs}.{hint(name, known)}"
@@ -252,6 +256,8 @@ def _refuse_unknown(system: TransitionSystem, path: Path, stream: StepStream) ->
 
 
 _REMARKS = ("truth_mm", "time_ms")
+_OF_A_RECORD = "kind"
+"""The field that every record has, and no step."""
 
 
 def _names(system: TransitionSystem) -> set[str]:
