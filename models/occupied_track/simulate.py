@@ -75,7 +75,7 @@ def route_of(topology: Topology, models: str) -> Route:
 
 
 def simulate(config: OccupiedTrackConfig, scene: Scene, *, seed: int) -> SimulatedRun:
-    """Return a run as steps: inputs, ghost inputs, and the remark `truth_mm` (the coordinate, rounded down)."""
+    """Return a run as steps: inputs, ghost inputs, and the remark `truth_mm` (the true place on the true edge, rounded down)."""
     run = _Run(config, scene, Random(seed))
     return SimulatedRun(list(run.steps()), run.first)
 
@@ -183,7 +183,7 @@ class _Run:
             "entered_length_mm": self._world.length_mm,
             "true_course": course,
         }
-        return {**inputs, **ghosts, "truth_mm": truth_nm // NM_PER_MM}
+        return {**inputs, **ghosts, "truth_mm": truth_nm // NM_PER_MM - self._world.origin_mm}
 
     def _carried(self) -> list[Track | None]:
         """Return what the machine on board carries."""

@@ -16,7 +16,7 @@ from safeloc.models.turn_off import UNDECIDED as NO_COURSE
 
 POSITION = "a position that is given holds the front end"
 """The clause that a localizer can guarantee."""
-TURN = "a turn that is seen is taken"
+_TURN = "a turn that is seen is taken"
 """The clause that the turn-off machine can guarantee."""
 
 
@@ -41,7 +41,7 @@ def world(own: Parts) -> World:
             "the map has the length of the true edge": _length_law(own),
             "a start names the true track": _start_law(own),
             "a group is read on the true edge": _group_law(own),
-            TURN: _turn_law(own),
+            _TURN: _turn_law(own),
             "the map has the course of the true track": _course_law(own),
             "a movement that is excluded does not happen": _movement_law(own),
         },

@@ -21,7 +21,6 @@ from safeloc.shipped_machines import ENTRIES
 SLOW = {
     "localizer",
     "localizer_sections",
-    "localizer_track",
     "fibre_area",
     "guard",
     "odometry",
