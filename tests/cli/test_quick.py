@@ -50,6 +50,7 @@ def test_it_says_what_was_not_asked(call: Call, tmp_path: Path) -> None:
     assert f'<span class="verdict">quick: {number} not asked</span>' in page
     assert all(name in page for name in open_)
     assert "all holds" not in page + called.out
+    assert "no run of this report can be taken over; <code>safeloc open " in page
 
 
 def test_the_page_made_again_says_the_same(call: Call, tmp_path: Path) -> None:
