@@ -87,8 +87,7 @@ def _confirmed(replay: Replay, wanted: Mapping[Goal, int], recording: Recording)
 def _stepped(replay: Replay, goal: Goal, state: Sequence[Value], row: Mapping[str, object]) -> Values:
     """Return the state after one step in the interpreter; nothing if the step breaks the assumption of the goal."""
     before, inputs = dict(zip(replay.watched.state, state, strict=True)), read_inputs(replay.system, row)
-    lawful = holds(environment(goal.plain), {**before, **inputs})
-    return step(replay.watched, before, inputs)[0] if lawful else {}
+    return step(replay.watched, before, inputs)[0] if replay.lawful(goal, {**before, **inputs}) else {}
 
 
 def lasting(system: TransitionSystem, recordings: Sequence[Recording], steps: int) -> Trace | None:
@@ -176,6 +175,14 @@ class Replay:
         self._step = compiled_terms(self._reads, [admissible, *relied, *self.watched.next.values()])
         self._goods = compiled_terms(self.watched.state, [goal.good for goal in goals.values()])
         self._relied = len(relied)
+        self._environments: dict[Bool, Bool] = {}
+
+    def lawful(self, goal: Goal, values: Values) -> bool:
+        """Return whether the interpreter finds the inputs in range and the assumption of the goal satisfied."""
+        relied = goal.plain.assume
+        if relied not in self._environments:  # one term for all goals, so that the interpreter reads it once
+            self._environments[relied] = environment(goal.plain)
+        return holds(self._environments[relied], values)
 
     def first_times(self, recording: Recording) -> dict[int, int]:
         """Return the goals that the recording reaches, by number, each with the steps until then."""
