@@ -14,7 +14,7 @@ from safeloc.codegen.compiled import compile_terms
 from safeloc.language.expr import Bool, Expr, NumVar, Var
 from safeloc.language.interpret import Program, evaluate
 from safeloc.language.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
-from safeloc.language.terms import conjuncts, in_order, variables
+from safeloc.language.terms import children, conjuncts, in_order, variables
 from safeloc.language.units import ONE
 
 Segment = tuple[int, int]
@@ -27,7 +27,8 @@ class Condition:
         self.term = term
         self.reads: dict[Var, int] = {var: place for place, var in enumerate(variables([term]))}
         self._row = _row_of(tuple(self.reads))
-        self._compares = [node for node in in_order([term]) if isinstance(node, Compare)]
+        self._below = _variables_below(term)
+        self._compares = [node for node in self._below if isinstance(node, Compare)]
         self._along: dict[Var, _Along] = {}
         self._truth = compiled_terms(tuple(self.reads), [term])
 
@@ -45,7 +46,7 @@ class Condition:
         row = list(self._row(values))
         at = self.reads[var]
         if var not in self._along:
-            self._along[var] = _along(var, tuple(self.reads), self._compares)
+            self._along[var] = _along(var, tuple(self.reads), self._compares, self._below)
         begins = sorted({var.low, *self._along[var].cuts(row, at)})
         ends = [*(begin - 1 for begin in begins[1:]), var.high]
         pieces = zip(begins, ends, strict=True)
@@ -102,10 +103,21 @@ def _flips(here: int, gap: int, op: str, slope: int) -> tuple[int, ...]:
     return (below + 1,) if rest or (op == "<") == (slope > 0) else (below,)
 
 
-def _along(var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare]) -> _Along:
-    reading = [node for node in compares if var in set(variables([node]))]
+def _variables_below(term: Expr) -> dict[Expr, frozenset[Var]]:
+    """Return the variables below each node of the term, operands first."""
+    found: dict[Expr, frozenset[Var]] = {}
+    for node in in_order([term]):
+        own = frozenset([node]) if isinstance(node, Var) else frozenset[Var]()
+        found[node] = own.union(*(found[part] for part in children(node)))
+    return found
+
+
+def _along(
+    var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare], below: Mapping[Expr, frozenset[Var]]
+) -> _Along:
+    reading = [node for node in compares if var in below[node]]
     gaps = {node: Sub(node.right, node.left, ONE) for node in reading}
-    slopes = {node: _slope(gap, var) for node, gap in gaps.items()}
+    slopes = {node: _slope(gap, var, below) for node, gap in gaps.items()}
     bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
     return _Along(
         var,
@@ -115,21 +127,21 @@ def _along(var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare]) -> 
     )
 
 
-def _slope(term: Num, var: NumVar) -> int | None:
+def _slope(term: Num, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> int | None:
     """Return how much a term grows when the variable grows by 1; None if that depends on the values."""
     match term:
         case NumVar():
             return int(term is var)
         case Add(left, right) | Sub(left, right):
-            first, second = _slope(left, var), _slope(right, var)
+            first, second = _slope(left, var, below), _slope(right, var, below)
             if first is None or second is None:
                 return None
             return first + second if isinstance(term, Add) else first - second
         case Mul(Lit(factor), inner) | Mul(inner, Lit(factor)):
-            grows = _slope(inner, var)
+            grows = _slope(inner, var, below)
             return None if grows is None else factor * grows
         case _:
-            return None if var in set(variables([term])) else 0
+            return None if var in below[term] else 0
 
 
 def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
