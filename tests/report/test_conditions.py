@@ -180,6 +180,8 @@ def test_the_headline_and_the_list_have_one_number() -> None:
     assert number == len(re.findall('<tr id="condition-[^>]* data-owner=', page))
     assert page.count('<span class="memory">[M]</span>') == page.count("data-confirm>") > 0
     assert f'<td><b>all</b></td><td class="n"><b>{number}</b></td>' in page
+    unsure, remembered = page.count("data-confirm>"), data["conditions"]["figures_to_confirm"]
+    assert f"{unsure} conditions have to be confirmed, {remembered} figures are from memory:" in page
 
 
 def test_each_owner_has_a_sum_and_what_is_to_be_confirmed() -> None:
