@@ -61,7 +61,7 @@ def world(own: Parts) -> World:
     }
     if not own.config.checked_distance:
         moves |= measuring(own).moves()
-    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own), KEPT)
+    return own.declared.world(moves, _laws(own), KEPT)
 
 
 def _laws(own: Parts) -> dict[str, Bool | Law]:

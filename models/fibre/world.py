@@ -42,9 +42,7 @@ _ASKED = "the section number with which the host asks the map: the count that th
 def world(own: Parts) -> World:
     """Return the world: true position, sections really passed, and the last messages of detector and map."""
     seen, now = own.ghosts, Passing(own)
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             seen.truth: now.after,
             seen.edge: ite(now.edge, seen.next_true_edge, seen.edge),

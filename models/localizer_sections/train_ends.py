@@ -35,9 +35,9 @@ from safeloc.language.expr import (
     minimum,
     number,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Model, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, NM_PER_MM, UM
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.area.slot import Slot
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
@@ -96,12 +96,7 @@ class Parts:
         self.next_far_end = declared.choice(number("next_far_end_nm", NM, -reach, reach))
 
 
-@dataclass(frozen=True, eq=False)
-class TrainEnds:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+TrainEnds = Model[Parts]
 
 
 def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
@@ -117,11 +112,9 @@ def build(own: Parts) -> TrainEnds:
     low, high = own.far_position - own.far_margin_below, own.far_position + own.far_margin_above
     rear, front = _along_the_line(own.world.truth, own.far_end)
     next_rear, next_front = _along_the_line(own.next_truth, own.next_far_end)
-    machine = Machine(
+    machine = own.declared.machine(
         name="ends",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "valid": both,
             "position_mm": position_if(both, own.far_position),
@@ -130,9 +123,7 @@ def build(own: Parts) -> TrainEnds:
             "faces_upwards": own.upwards,
         },
         transitions=list(_table(own, table)),
-        world=World(
-            ghosts=own.declared.ghosts,
-            choices=own.declared.choices,
+        world=own.declared.world(
             moves={
                 own.world.truth: own.next_truth,
                 own.far_end: own.next_far_end,

@@ -33,7 +33,7 @@ from safeloc.language.expr import (
     minimum,
     number,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, MS, NM
 from safeloc.language.world import Law, World
@@ -102,12 +102,7 @@ class Parts:
         return self.front.valid & (~self.known | self.age.ne(self.known_age + self.period_ms))
 
 
-@dataclass(frozen=True, eq=False)
-class TrainSeen:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+TrainSeen = Model[Parts]
 
 
 def end_inputs(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> EndInputs:

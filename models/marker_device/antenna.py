@@ -11,7 +11,7 @@ from safeloc.language.declared import Declared
 from safeloc.language.expr import TRUE, NumVar, between, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.units import NM, NM_PER_MM
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.guard.variables import reach_nm
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.odometry.ghosts import Movement
@@ -40,16 +40,12 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
     farthest = 2 * reach_nm(config.guard)  # as far as the guard's world lets a vehicle go
     place = declared.ghost(number("antenna_nm", NM, -farthest, farthest), first=ANY)
     laws = _laws(config, moved, place)
-    made = Machine(
+    made = declared.machine(
         name=NAME,
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={},
         transitions=[Transition("moves", table[0], table[0], TRUE, {}, ("MRK-D6",), 0)],
-        world=World(
-            ghosts=declared.ghosts,
-            choices=declared.choices,
+        world=declared.world(
             moves={truth: truth + true_cycle_distance, place: place + true_cycle_distance},
             clauses=laws,
         ),

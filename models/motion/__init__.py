@@ -16,14 +16,13 @@ other unit does.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Optional, Var, number
-from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.machine import Model, Transition, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM
 from safeloc.models.motion.reported_error import lemmas, with_reported_error
@@ -146,12 +145,8 @@ class Parts:
         return [self.odometer.measured] if self.check is None else [self.odometer.measured, self.check.unit.measured]
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Model[Parts]):
     """The machine together with the terms it was built from."""
-
-    machine: Machine
-    own: Parts
 
     @property
     def reported(self) -> Bool:
@@ -178,11 +173,9 @@ def build(own: Parts) -> Motion:
     """Build the machine over the given variables."""
     table = modes("SILENT", "MEASURING")
     around = world(own.declared, own.around)
-    made = Machine(
+    made = own.declared.machine(
         name="motion",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own),
         transitions=list(_rows(own, table)),
         world=around if own.check is None else with_reported_error(around, own.around, own.check),

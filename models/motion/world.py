@@ -161,7 +161,7 @@ def world(declared: Declared, own: Surroundings) -> World:
         for unit in own.units:
             moves |= unit.moves()
         laws |= _unit_laws(own, seen.units)
-    return World(declared.ghosts, declared.choices, moves, laws)
+    return declared.world(moves, laws)
 
 
 def initially(own: Surroundings) -> Bool:

@@ -23,9 +23,7 @@ _TURN = "a turn that is seen is taken"
 def world(own: Parts) -> World:
     """Return the world."""
     seen = own.ghosts
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             seen.truth: seen.next_truth,
             seen.edge: _edge(own),

@@ -57,7 +57,7 @@ def world(own: Parts) -> World:
             moves[of_unit.unset] = _unset(own, index, of_unit.unset)
     if seen.faulty_unit is not None:
         moves[seen.faulty_unit] = seen.faulty_unit
-    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
+    return own.declared.world(moves, _laws(own))
 
 
 def on_board(machine: Machine) -> Machine:

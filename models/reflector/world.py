@@ -52,9 +52,7 @@ FAR_STEPS = 16
 def world(own: Parts, lost: Bool) -> World:
     """Return the world. `lost`: the machine knows no position."""
     seen = own.ghosts
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             seen.truth: _after(own),
             seen.wander: _wander_after(own),

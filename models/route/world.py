@@ -28,9 +28,7 @@ def world(own: Parts) -> World:
         seen.truth: _after(own),
         seen.wander: ite(odometer.can_be_run, seen.next_wander, seen.wander),
     }
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves=moved | odometer.moves(),
         clauses={
             "the odometer obeys its error law": _odometer_law(own),

@@ -15,10 +15,9 @@ EXCLUDED (the criterion is violated) or USABLE.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, abs_, all_of, any_of, as_num, ite, minimum
-from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.machine import Machine, Model, Transition, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.satellite_selection.variables import (
@@ -63,12 +62,8 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, eq=False)
-class Selection:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+class Selection(Model[Parts]):
+    """The machine with its variables: a class of its own, by which the localizer tells its machines apart."""
 
 
 def machine(config: SelectionConfig | None = None) -> Machine:
@@ -81,11 +76,9 @@ def build(own: Parts) -> Selection:
     table = modes("NONE_USABLE", "SOME_USABLE")
     outputs: dict[str, Expr] = {"usable": own.usable_satellites, "almanac_current": own.current}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}
-    made = Machine(
+    made = own.declared.machine(
         name="selection",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=outputs,
         transitions=list(_table(own, table)),
         world=world(own),

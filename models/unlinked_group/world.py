@@ -30,7 +30,7 @@ def world(own: Parts) -> World:
         **_rolling(own),
         **measuring(own).moves(),
     }
-    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
+    return own.declared.world(moves, _laws(own))
 
 
 def _laws(own: Parts) -> dict[str, Bool | Law]:

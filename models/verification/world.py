@@ -16,9 +16,7 @@ PLACE = "a located interval holds the front"
 
 def world(own: Parts, *, place_kept: bool) -> World:
     """Return the world of the train that makes the pattern; `place_kept`: an earlier machine guarantees its interval."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={own.axles: own.next_axles, own.length: own.next_length, own.truth: own.next_truth},
         clauses={**_features(own), **({} if place_kept else _place(own))},
     )
