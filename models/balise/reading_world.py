@@ -5,7 +5,22 @@ Figures and terms are the world's own: nothing here is what a machine computes.
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, as_num, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import (
+    Bool,
+    BoolVar,
+    Expr,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law
 from safeloc.models.balise.telegram import PASSED, Reading
@@ -30,6 +45,31 @@ def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tu
     turns = reversal_mm < against
     turned = (backwards & ~turns) | (turns & ~backwards)
     return ite(turns, as_num(0, MM), against), turned
+
+
+def rolling(rolled: NumVar, backwards: BoolVar, ran: Num, reversal_mm: int) -> dict[Var, Expr]:
+    """Return the moves of the ghosts that hold the run against the direction, and the direction (`rolled_after`)."""
+    run_against, turned = rolled_after(rolled, backwards, ran, reversal_mm)
+    return {rolled: run_against, backwards: turned}
+
+
+def accuracy_sent(received: Optional, before: Num) -> Num:
+    """Return the national location accuracy in force, mm: the one received in this cycle, else the one `before`."""
+    return ite(~received.present, before, received.value)
+
+
+def antenna_law(read: Reading, off: Num, detection_mm: int) -> Law:
+    """Return the law of the antenna; `off`: how far the antenna stood beyond balise 1 of the group that is read, nm."""
+    most = detection_mm * NM_PER_MM
+    return Law(
+        read_rightly(read).implies(between(-most, off, most)),
+        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
+        "accuracy; the antenna is so far behind the front end as configured.",
+        ("antenna_mm", "detection_mm"),
+        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
+        "supplier",
+        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
+    )
 
 
 def counted_wrong_nm(read: Reading, rate_ppm: int) -> Num:

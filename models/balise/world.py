@@ -33,16 +33,20 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.reading_world import (
+    accuracy_sent,
     age_law,
+    antenna_law,
     counted_wrong_nm,
     counter_law,
     read_rightly,
     rolled_after,
+    rolling,
     run_in_age_nm,
 )
 from safeloc.models.balise.telegram import LINKED, NOMINAL, REVERSE, UNKNOWN
 from safeloc.models.balise.variables import BaliseConfig, Parts
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can be made to keep, if it judges the distance."""
@@ -67,7 +71,7 @@ def world(own: Parts) -> World:
 def _laws(own: Parts) -> dict[str, Bool | Law]:
     return {
         ODOMETER: _odometer_law(own),
-        "the vehicle stays on the line": _line_law(own),
+        ON_THE_LINE: _line_law(own),
         "the antenna stood over the group that is read": _antenna_law(own),
         "the counter measures the run since the reading": counter_law(
             own.read, own.world.true_since, wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
@@ -96,10 +100,7 @@ def after(own: Parts) -> Num:
 
 def physics(config: BaliseConfig) -> Physics:
     """Return the limits of the vehicle's movement, and of its measurement."""
-    return Physics(
-        config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
-        config.gap_limit_cycles, config.gap_limit_cycles + 1,
-    )  # fmt: skip
+    return Physics.of(config)
 
 
 def measuring(own: Parts) -> Measuring:
@@ -158,7 +159,7 @@ def _lawful_thousandths(own: Parts) -> Num:
 def _line_law(own: Parts) -> Law:
     truth = own.world.truth
     return Law(
-        between(truth.low, after(own), truth.high),
+        on_line(truth, after(own)),
         "The coordinates of the map do not end before the vehicle does.",
         ("position_limit_mm", "tolerance_mm"),
         "[D] 1 000 km of line",
@@ -167,18 +168,20 @@ def _line_law(own: Parts) -> Law:
     )
 
 
+def _measured_run(own: Parts) -> Num:
+    """Return the run as measured in the cycle, mm; 0 without a distance that can be run."""
+    return ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
+
+
 def _rolling(own: Parts) -> dict[Var, Expr]:
     seen = own.world
-    ran = ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
-    rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
-    return {seen.rolled: rolled, seen.backwards: backwards}
+    return rolling(seen.rolled, seen.backwards, _measured_run(own), own.config.reversal_mm)
 
 
 def _runs_back(own: Parts) -> Bool:
     """The vehicle runs backwards at the end of the cycle."""
-    term = _rolling(own)[own.world.backwards]
-    assert isinstance(term, Bool)
-    return term
+    seen = own.world
+    return rolled_after(seen.rolled, seen.backwards, _measured_run(own), own.config.reversal_mm)[1]
 
 
 # ------------------------------------------------------------------ the antenna
@@ -193,16 +196,7 @@ def _against(own: Parts, mapped: Num) -> Bool:
 def _antenna_law(own: Parts) -> Law:
     seen, config = own.world, own.config
     off = after(own) - seen.true_since - config.antenna_mm * NM_PER_MM - seen.read_place
-    most = config.detection_mm * NM_PER_MM
-    return Law(
-        read_rightly(own.read).implies(between(-most, off, most)),
-        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
-        "accuracy; the antenna is so far behind the front end as configured.",
-        ("antenna_mm", "detection_mm"),
-        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
-        "supplier",
-        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
-    )
+    return antenna_law(own.read, off, config.detection_mm)
 
 
 # ------------------------------------------------------------------ the map
@@ -210,8 +204,7 @@ def _antenna_law(own: Parts) -> Law:
 
 def national(own: Parts) -> Num:
     """Return the location accuracy in force if linking gives none, mm."""
-    received = own.national.national_accuracy
-    return ite(~received.present, own.world.national_accuracy_sent, received.value)
+    return accuracy_sent(own.national.national_accuracy, own.world.national_accuracy_sent)
 
 
 def _far_nm(own: Parts, accuracy: Num) -> Num:

@@ -28,7 +28,6 @@ from safeloc.language.expr import (
     between,
     boolean,
     ceil_to,
-    exact_to,
     floor_to,
     ite,
     maximum,
@@ -40,6 +39,7 @@ from safeloc.language.units import MM, NM, NM_PER_MM, UM
 from safeloc.language.world import Law
 from safeloc.models.area.slot import Slot
 from safeloc.models.vocabulary.absent import margin_if, position_if
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 REQUIREMENTS = ("FVA-9", "FVA-18")
 SENT = "the front end's interval holds it"
@@ -109,7 +109,6 @@ def build(own: Parts) -> TrainEnds:
     table = modes("NOTHING", "FRONT_ONLY", "BOTH")
     current = current_mode(table)
     both, train = current.eq(table[2]), own.train
-    low, high = own.far_position - own.far_margin_below, own.far_position + own.far_margin_above
     rear, front = _along_the_line(own.world.truth, own.far_end)
     next_rear, next_front = _along_the_line(own.next_truth, own.next_far_end)
     machine = own.declared.machine(
@@ -134,7 +133,9 @@ def build(own: Parts) -> TrainEnds:
         ),
         initially=_behind(own, own.world.truth, own.far_end) & train.true_rear.eq(rear) & train.true_front.eq(front),
         lemmas={
-            "the far end is inside": both.implies(between(exact_to(low, NM), own.far_end, exact_to(high, NM))),
+            "the far end is inside": both.implies(
+                stated_interval_holds(own.far_position, own.far_margin_below, own.far_margin_above, own.far_end)
+            ),
             "the far end is behind": _behind(own, own.world.truth, own.far_end),
             "the train lies between its ends": train.true_rear.eq(rear) & train.true_front.eq(front),
         },
@@ -213,5 +214,4 @@ def _clauses(own: Parts) -> dict[str, Law]:
 
 
 def _sent_truly(own: Parts) -> Bool:
-    low, high = own.position - own.below, own.position + own.above
-    return own.valid.implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
+    return own.valid.implies(stated_interval_holds(own.position, own.below, own.above, own.next_truth))

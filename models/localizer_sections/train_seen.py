@@ -37,6 +37,7 @@ from safeloc.language.machine import ANY, Machine, Model, Transition, current_mo
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, MS, NM
 from safeloc.language.world import Law, World
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 REQUIREMENTS = ("FVA-9", "FVA-18")
 
@@ -69,7 +70,7 @@ class EndInputs:
 
     def holds(self) -> Bool:
         """Return whether the interval that the link reports, if it is valid, contains the true place."""
-        return self.valid.implies(between(exact_to(self.low, NM), self.next_truth, exact_to(self.high, NM)))
+        return self.valid.implies(stated_interval_holds(self.position, self.below, self.above, self.next_truth))
 
 
 @dataclass(frozen=True, eq=False)

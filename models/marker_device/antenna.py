@@ -15,6 +15,7 @@ from safeloc.language.world import Law
 from safeloc.models.guard.variables import reach_nm
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.odometry.ghosts import Movement
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, line_law
 
 NAME = "vehicle"
 DATA = "the antenna is where the data say"
@@ -72,12 +73,5 @@ def _laws(config: MarkerDeviceConfig, moved: Movement, place: NumVar) -> dict[st
             "operator",
             "vehicle data entry; positions of the receiver against fixed markers at both readers",
         ),
-        "the vehicle stays on the line": Law(
-            between(moved.truth.low, moved.truth + moved.true_cycle_distance, moved.truth.high),
-            "The vehicle does not leave the coordinates of the line.",
-            ("position_limit_mm",),
-            "[D] 1 000 km of line",
-            "operator",
-            "route setting",
-        ),
+        ON_THE_LINE: line_law(moved.truth, moved.truth + moved.true_cycle_distance),
     }

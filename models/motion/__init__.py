@@ -82,10 +82,7 @@ class MotionConfig(Config):
     @property
     def physics(self) -> Physics:
         """The world's figures of the vehicle's movement and its measurement."""
-        return Physics(
-            self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm,
-            self.gap_limit_cycles, self.gap_limit_cycles + 1,
-        )  # fmt: skip
+        return Physics.of(self)
 
     @property
     def creep(self) -> int | None:

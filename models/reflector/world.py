@@ -39,6 +39,7 @@ from safeloc.models.reflector.ghosts import Entry
 from safeloc.models.reflector.variables import Parts, ReflectorConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can guarantee if it checks the distance."""
@@ -82,11 +83,10 @@ def _taken(condition: Bool, entry: Entry, other: Entry) -> dict[Var, Expr]:
 
 
 def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
-    on_line = between(own.ghosts.truth.low, _after(own), own.ghosts.truth.high)
     return {
         ODOMETER: _odometer_law(own),
-        "the vehicle stays on the line": Law(
-            on_line, "The coordinates of the map do not end before the vehicle does.", ("position_limit_mm",), "[D]",
+        ON_THE_LINE: Law(
+            on_line(own.ghosts.truth, _after(own)), "The coordinates of the map do not end before the vehicle does.", ("position_limit_mm",), "[D]",
             "infrastructure", "when the map is made",
         ),
         READING: _balise_law(own, lost),

@@ -71,10 +71,7 @@ class RouteConfig(Config):
     @property
     def physics(self) -> Physics:
         """Limits of the vehicle's movement, for the world."""
-        gap = self.gap_limit_cycles
-        return Physics(
-            self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm, gap, gap + 1
-        )
+        return Physics.of(self)
 
 
 @dataclass(frozen=True, eq=False)

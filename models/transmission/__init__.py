@@ -39,6 +39,7 @@ from safeloc.language.rows import together
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
 from safeloc.language.world import Law
 from safeloc.models.vocabulary.absent import margin_if, position_if
+from safeloc.models.vocabulary.vehicle_world import SPEED, speed_law, stated_interval_holds
 
 REQUIREMENTS = ("FVA-9", "FVA-18", "RFL-14")
 
@@ -210,14 +211,7 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
                     owner="supplier",
                     check="replayed recordings with a known true position",
                 ),
-                "the vehicle never exceeds its highest speed": Law(
-                    _moves(own),
-                    "The vehicle runs no faster than its highest speed, either way.",
-                    ("max_speed_mm_s", "period_ms"),
-                    "[D] 160 km/h",
-                    "operator",
-                    "speed supervision",
-                ),
+                SPEED: speed_law(own.next_truth - own.truth, own.config.max_speed_mm_s * own.config.period_ms * 1_000),
             },
         ),
         lemmas=_lemmas(own, held),
@@ -255,14 +249,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 def _sent_truly(own: Parts) -> Bool:
     """Return whether a valid interval that is sent contains the true position of its cycle."""
-    low, high = own.position - own.below, own.position + own.above
-    return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
-
-
-def _moves(own: Parts) -> Bool:
-    """The vehicle moves no faster than its highest speed."""
-    most = own.config.max_speed_mm_s * own.config.period_ms * 1_000
-    return between(-most, own.next_truth - own.truth, most)
+    return (own.sent & own.valid).implies(stated_interval_holds(own.position, own.below, own.above, own.next_truth))
 
 
 def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:

@@ -6,6 +6,7 @@ Only worlds import this. A machine adds errors by figures and terms of its own, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 from safeloc.language.expr import (
     Bool,
@@ -18,6 +19,7 @@ from safeloc.language.expr import (
     all_of,
     as_num,
     between,
+    exact_to,
     ite,
     maximum,
     minimum,
@@ -30,6 +32,35 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 THOUSAND = 1_000
 
 
+class MeasuringConfig(Protocol):
+    """The figures of a configuration that limit movement and measurement."""
+
+    @property
+    def period_ms(self) -> int:
+        """Length of the cycle, ms."""
+        ...
+
+    @property
+    def max_speed_mm_s(self) -> int:
+        """The highest speed, mm/s."""
+        ...
+
+    @property
+    def max_acceleration_mm_s2(self) -> int:
+        """The greatest acceleration, mm/s2."""
+        ...
+
+    @property
+    def measuring_step_mm(self) -> int:
+        """The step of the measurement, mm."""
+        ...
+
+    @property
+    def gap_limit_cycles(self) -> int:
+        """The most cycles without a usable distance."""
+        ...
+
+
 @dataclass(frozen=True)
 class Physics:
     """Limits of the vehicle's movement, and the step of its measurement; silence is counted up to `longest_cycles`."""
@@ -40,6 +71,15 @@ class Physics:
     measuring_step_mm: int
     gap_limit_cycles: int
     longest_cycles: int
+
+    @classmethod
+    def of(cls, config: MeasuringConfig, longest_cycles: int | None = None) -> Physics:
+        """Return the limits that a configuration states; silence is counted up to one more than its gap, or to `longest_cycles`."""
+        longest = config.gap_limit_cycles + 1 if longest_cycles is None else longest_cycles
+        return cls(
+            config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
+            config.gap_limit_cycles, longest,
+        )  # fmt: skip
 
     @property
     def farthest_mm(self) -> int:
@@ -95,6 +135,14 @@ class Measuring:
             self.last_delivered: ite(counts, self.measured.value, self.last_delivered),
             self.silent: ite(counts, as_num(0, COUNT), minimum(self.silent + 1, longest)),
         }
+
+    def wander_after(self, wander: Num, next_wander: Num) -> Num:
+        """Return the one-off part of the error after the cycle: it moves only with a distance that can be run."""
+        return ite(self.can_be_run, next_wander, wander)
+
+    def error(self, ran: Num, wander: Num, next_wander: Num) -> Num:
+        """Return the error of the cycle's distance without its one-off part, nm; `ran`: the true run of the cycle, nm."""
+        return ran - exact_to(self.measured.value, NM) - (next_wander - wander)
 
     def allows(self, error: Num, drift_age: Num | None = None) -> Bool:
         """Return whether the law allows this error of the cycle's distance, nm; `drift_age`: ms since the reference, if it drifts.
