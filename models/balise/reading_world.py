@@ -5,6 +5,9 @@ Figures and terms are the world's own: nothing here is what a machine computes.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 from safeloc.language.expr import (
     Bool,
     BoolVar,
@@ -47,10 +50,32 @@ def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tu
     return ite(turns, as_num(0, MM), against), turned
 
 
-def rolling(rolled: NumVar, backwards: BoolVar, ran: Num, reversal_mm: int) -> dict[Var, Expr]:
-    """Return the moves of the ghosts that hold the run against the direction, and the direction (`rolled_after`)."""
-    run_against, turned = rolled_after(rolled, backwards, ran, reversal_mm)
-    return {rolled: run_against, backwards: turned}
+@dataclass(frozen=True, eq=False)
+class Rolling:
+    """The direction of running as the world keeps it (`rolled_after`).
+
+    rolled, backwards  ghosts: the distance run against the direction without a break, mm, and the direction
+    ran                the run measured in the cycle, mm
+    """
+
+    rolled: NumVar
+    backwards: BoolVar
+    ran: Num
+    reversal_mm: int
+
+    @cached_property
+    def _after(self) -> tuple[Num, Bool]:
+        return rolled_after(self.rolled, self.backwards, self.ran, self.reversal_mm)
+
+    @property
+    def moves(self) -> dict[Var, Expr]:
+        """The moves of the two ghosts."""
+        return dict(zip((self.rolled, self.backwards), self._after, strict=True))
+
+    @property
+    def runs_back(self) -> Bool:
+        """The vehicle runs backwards at the end of the cycle."""
+        return self._after[1]
 
 
 def accuracy_sent(received: Optional, before: Num) -> Num:

@@ -33,14 +33,13 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.reading_world import (
+    Rolling,
     accuracy_sent,
     age_law,
     antenna_law,
     counted_wrong_nm,
     counter_law,
     read_rightly,
-    rolled_after,
-    rolling,
     run_in_age_nm,
 )
 from safeloc.models.balise.telegram import LINKED, NOMINAL, REVERSE, UNKNOWN
@@ -61,7 +60,7 @@ def world(own: Parts) -> World:
         seen.wander: wander_after(own),
         seen.national_accuracy_sent: national(own),
         seen.doubted_group: _doubted(own),
-        **_rolling(own),
+        **_rolling(own).moves,
     }
     if not own.config.checked_distance:
         moves |= measuring(own).moves()
@@ -168,20 +167,10 @@ def _line_law(own: Parts) -> Law:
     )
 
 
-def _measured_run(own: Parts) -> Num:
-    """Return the run as measured in the cycle, mm; 0 without a distance that can be run."""
-    return ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
-
-
-def _rolling(own: Parts) -> dict[Var, Expr]:
+def _rolling(own: Parts) -> Rolling:
     seen = own.world
-    return rolling(seen.rolled, seen.backwards, _measured_run(own), own.config.reversal_mm)
-
-
-def _runs_back(own: Parts) -> Bool:
-    """The vehicle runs backwards at the end of the cycle."""
-    seen = own.world
-    return rolled_after(seen.rolled, seen.backwards, _measured_run(own), own.config.reversal_mm)[1]
+    ran = ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
+    return Rolling(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
 
 
 # ------------------------------------------------------------------ the antenna
@@ -311,7 +300,7 @@ def _serves(own: Parts) -> Bool:
         ]
     )
     recent = read.age.value < config.telegram_age_limit_ms + 1
-    return all_of([_placed(own), several, numbered, recent, ~_runs_back(own), _fine_enough(own)])
+    return all_of([_placed(own), several, numbered, recent, ~_rolling(own).runs_back, _fine_enough(own)])
 
 
 def _fine_enough(own: Parts) -> Bool:

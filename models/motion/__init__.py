@@ -29,7 +29,7 @@ from safeloc.models.motion.reported_error import lemmas, with_reported_error
 from safeloc.models.motion.unit_check import UnitCheck, reported_law, unit_check
 from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import ADMITTED, Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
+from safeloc.models.vocabulary.measured import ADMITTED, Limits
 from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import odometer
 
@@ -92,12 +92,7 @@ class MotionConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
-        gap, tolerance = self.gap_limit_cycles, 1
-        return Limits(
-            self.period_ms, tolerance, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False
-        )  # fmt: skip
+        return Limits.of(self, 1, self.position_limit_mm)
 
 
 class Parts:

@@ -51,11 +51,6 @@ class ReflectorMachine(Model[Parts]):
 
     judgement: Judgement
 
-    def in_mode(self, *labels: str) -> Bool:
-        """Return whether the machine is in one of the named modes."""
-        mode = self.machine.mode
-        return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
-
 
 def build(own: Parts) -> ReflectorMachine:
     """Return the machine over the given variables."""

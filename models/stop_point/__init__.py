@@ -49,11 +49,6 @@ def machine(config: StopPointConfig | None = None) -> Machine:
 class StopPoint(Model[Parts]):
     """The machine with the variables that its properties read."""
 
-    def in_mode(self, *labels: str) -> Bool:
-        """Return whether the machine is in one of the named modes."""
-        mode = self.machine.mode
-        return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
-
 
 def build(own: Parts) -> StopPoint:
     """Return the machine over the given variables."""

@@ -14,13 +14,12 @@ from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between,
 from safeloc.language.units import MM, NM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.reading_world import (
+    Rolling,
     accuracy_sent,
     age_law,
     antenna_law,
     counter_law,
     read_rightly,
-    rolled_after,
-    rolling,
 )
 from safeloc.models.balise.telegram import UNLINKED
 from safeloc.models.unlinked_group.variables import LINE_MM, Parts
@@ -35,7 +34,7 @@ def world(own: Parts) -> World:
         seen.distance: _distance_after(own),
         seen.wander: _wander_after(own),
         seen.national_accuracy_sent: accuracy_sent(own.national.national_accuracy, seen.national_accuracy_sent),
-        **_rolling(own),
+        **_rolling(own).moves,
         **measuring(own).moves(),
     }
     return own.declared.world(moves, _laws(own))
@@ -111,20 +110,10 @@ def _line_law(own: Parts) -> Law:
     )
 
 
-def _measured_run(own: Parts) -> Num:
-    """Return the run as measured in the cycle, mm; 0 without a distance that can be run."""
-    return ite(measuring(own).can_be_run, own.odometer.measured.value, as_num(0, MM))
-
-
-def _rolling(own: Parts) -> dict[Var, Expr]:
+def _rolling(own: Parts) -> Rolling:
     seen = own.world
-    return rolling(seen.rolled, seen.backwards, _measured_run(own), own.config.reversal_mm)
-
-
-def runs_back(own: Parts) -> Bool:
-    """Return whether the vehicle runs backwards at the end of the cycle."""
-    seen = own.world
-    return rolled_after(seen.rolled, seen.backwards, _measured_run(own), own.config.reversal_mm)[1]
+    ran = ite(measuring(own).can_be_run, own.odometer.measured.value, as_num(0, MM))
+    return Rolling(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
 
 
 # ------------------------------------------------------------------ the antenna
@@ -138,5 +127,5 @@ def serves(own: Parts) -> Bool:
     ordered = read.first.value.ne(read.last.value)
     recent = read.age.value < own.config.telegram_age_limit_ms + 1
     return all_of(
-        [read_rightly(own.read), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~runs_back(own)]
+        [read_rightly(own.read), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~_rolling(own).runs_back]
     )

@@ -6,7 +6,6 @@ Only worlds import this. A machine adds errors by figures and terms of its own, 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 from safeloc.language.expr import (
     Bool,
@@ -27,38 +26,10 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.vocabulary.cycle_figures import DistanceConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 
 THOUSAND = 1_000
-
-
-class MeasuringConfig(Protocol):
-    """The figures of a configuration that limit movement and measurement."""
-
-    @property
-    def period_ms(self) -> int:
-        """Length of the cycle, ms."""
-        ...
-
-    @property
-    def max_speed_mm_s(self) -> int:
-        """The highest speed, mm/s."""
-        ...
-
-    @property
-    def max_acceleration_mm_s2(self) -> int:
-        """The greatest acceleration, mm/s2."""
-        ...
-
-    @property
-    def measuring_step_mm(self) -> int:
-        """The step of the measurement, mm."""
-        ...
-
-    @property
-    def gap_limit_cycles(self) -> int:
-        """The most cycles without a usable distance."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -73,7 +44,7 @@ class Physics:
     longest_cycles: int
 
     @classmethod
-    def of(cls, config: MeasuringConfig, longest_cycles: int | None = None) -> Physics:
+    def of(cls, config: DistanceConfig, longest_cycles: int | None = None) -> Physics:
         """Return the limits that a configuration states; silence is counted up to one more than its gap, or to `longest_cycles`."""
         longest = config.gap_limit_cycles + 1 if longest_cycles is None else longest_cycles
         return cls(
