@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from string import Template
+from typing import Literal
 
 from safeloc.codegen.c99_layout import Layout, literal
 from safeloc.codegen.fmi3_description import token
@@ -60,9 +61,19 @@ static fmi3Status told(const Instance *instance, fmi3Status status, const char *
     return status;
 }}
 
+static fmi3Status failed(const Instance *instance, fmi3Status kind, int32_t status)
+{{
+    return told(instance, kind, {p}_status_text(status));
+}}
+
 static fmi3Status refused(fmi3Instance instance)
 {{
     return told(instance, fmi3Error, "the unit has no such variable, or is of another kind of interface");
+}}
+
+static Unit *unit_of(fmi3Instance instance)
+{{
+    return &((Instance *)instance)->unit;
 }}
 
 static int32_t begun(Unit *unit)
@@ -127,7 +138,7 @@ EXPORTED void fmi3FreeInstance(fmi3Instance instance)
 EXPORTED fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, bool toleranceDefined, double tolerance,
         double startTime, bool stopTimeDefined, double stopTime)
 {
-    Unit *unit = &((Instance *)instance)->unit;
+    Unit *unit = unit_of(instance);
     (void)toleranceDefined;
     (void)tolerance;
     (void)stopTimeDefined;
@@ -143,13 +154,13 @@ EXPORTED fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, bool tole
 
 EXPORTED fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
-    Unit *unit = &((Instance *)instance)->unit;
+    Unit *unit = unit_of(instance);
     if (unit->phase != INITIALIZING) {
         return told(instance, fmi3Error, "initialization has not begun");
     }
     const int32_t status = begun(unit);
     if (status != 0) {
-        return told(instance, fmi3Error, ${prefix}_status_text(status));
+        return failed(instance, fmi3Error, status);
     }
     unit->phase = STEPPING;
     return fmi3OK;
@@ -157,77 +168,53 @@ EXPORTED fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 
 EXPORTED fmi3Status fmi3Terminate(fmi3Instance instance)
 {
-    ((Instance *)instance)->unit.phase = TERMINATED;
+    unit_of(instance)->phase = TERMINATED;
     return fmi3OK;
 }
 
 EXPORTED fmi3Status fmi3Reset(fmi3Instance instance)
 {
-    started(&((Instance *)instance)->unit);
+    started(unit_of(instance));
     return fmi3OK;
 }
 """)
 
 
 def _values(variables: Sequence[Variable]) -> str:
+    """Return the getters and setters: inputs at any time, first values before the first step."""
+    truths, numbers = ([one for one in variables if one.is_truth is truth] for truth in (True, False))
+    able = ("input", "parameter")
     return "\n".join(
         [
-            _got("Int64", "int64_t", [one for one in variables if not one.is_truth], "%s"),
-            _got("Boolean", "bool", [one for one in variables if one.is_truth], "%s != 0"),
-            _set("Int64", "int64_t", [one for one in variables if not one.is_truth]),
-            _set("Boolean", "bool", [one for one in variables if one.is_truth]),
-            _TIME,
+            _access("Get", "Int64", "int64_t", [(one.reference, _read(one.place)) for one in numbers]),
+            _access("Get", "Boolean", "bool", [(one.reference, _read(f"{one.place} != 0")) for one in truths]),
+            _access(
+                "Set", "Int64", "int64_t", [(one.reference, _taken(one)) for one in numbers if one.causality in able]
+            ),
+            _access(
+                "Set", "Boolean", "bool", [(one.reference, _taken(one)) for one in truths if one.causality in able]
+            ),
+            _access("Get", "Float64", "double", [(0, _read("unit->time"))]),
         ]
     )
 
 
-_TIME = """EXPORTED fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-        double values[], size_t size)
-{
-    for (size_t n = 0; n < count; n++) {
-        if (references[n] != 0 || n >= size) {
-            return refused(instance);
-        }
-        values[n] = ((const Instance *)instance)->unit.time;
-    }
-    return fmi3OK;
-}
-"""
+def _read(value: str) -> str:
+    return f"            values[n] = {value};\n"
 
 
-def _got(kind: str, c: str, variables: Sequence[Variable], read: str) -> str:
-    cases = "".join(
-        f"        case {one.reference}:\n            values[n] = {read % one.place};\n            break;\n"
-        for one in variables
-    )
-    unused = "" if variables else "    (void)unit;\n    (void)values;\n"
-    return f"""EXPORTED fmi3Status fmi3Get{kind}(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-        {c} values[], size_t size)
+def _access(way: Literal["Get", "Set"], kind: str, c: str, cases: Sequence[tuple[int, str]]) -> str:
+    """Return the getter or setter of one type of variables: for each reference the statements that read or write `values[n]`."""
+    changed, kept = ("", "const ") if way == "Get" else ("const ", "")
+    listed = "".join(f"        case {reference}:\n{text}            break;\n" for reference, text in cases)
+    unused = "" if cases else "    (void)unit;\n    (void)values;\n"
+    return f"""EXPORTED fmi3Status fmi3{way}{kind}(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
+        {changed}{c} values[], size_t size)
 {{
-    const Unit *unit = &((const Instance *)instance)->unit;
+    {kept}Unit *unit = unit_of(instance);
 {unused}    for (size_t n = 0; n < count; n++) {{
-        switch (n < size ? references[n] : 0) {{
-{cases}        default:
-            return refused(instance);
-        }}
-    }}
-    return fmi3OK;
-}}
-"""
-
-
-def _set(kind: str, c: str, variables: Sequence[Variable]) -> str:
-    """Return the setter: inputs at any time, first values before the first step; members of enumerations must be in range."""
-    able = [one for one in variables if one.causality in ("input", "parameter")]
-    cases = "".join(f"        case {one.reference}:\n{_taken(one)}            break;\n" for one in able)
-    unused = "" if able else "    (void)unit;\n    (void)values;\n"
-    return f"""EXPORTED fmi3Status fmi3Set{kind}(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
-        const {c} values[], size_t size)
-{{
-    Unit *unit = &((Instance *)instance)->unit;
-{unused}    for (size_t n = 0; n < count; n++) {{
-        switch (n < size ? references[n] : 0) {{
-{cases}        default:
+        switch (n < size ? references[n] : UINT32_MAX) {{
+{listed}        default:
             return refused(instance);
         }}
     }}
@@ -237,6 +224,7 @@ def _set(kind: str, c: str, variables: Sequence[Variable]) -> str:
 
 
 def _taken(variable: Variable) -> str:
+    """Return the statements that set a variable; members of enumerations must be in range."""
     checks = ""
     if variable.causality == "parameter":
         checks += _unless("unit->phase > INITIALIZING", "a first value is chosen before the first step", "fmi3Error")
@@ -273,7 +261,7 @@ EXPORTED fmi3Status fmi3DoStep(fmi3Instance instance, double currentCommunicatio
         bool noSetFMUStatePriorToCurrentPoint, bool *eventHandlingNeeded, bool *terminateSimulation, bool *earlyReturn,
         double *lastSuccessfulTime)
 {{
-    Unit *unit = &((Instance *)instance)->unit;
+    Unit *unit = unit_of(instance);
     (void)noSetFMUStatePriorToCurrentPoint;
     *eventHandlingNeeded = false;
     *terminateSimulation = false;
@@ -287,7 +275,7 @@ EXPORTED fmi3Status fmi3DoStep(fmi3Instance instance, double currentCommunicatio
     }}
 {period}    const int32_t status = {p}_step(&unit->state, &unit->inputs, &unit->outputs);
     if (status != 0) {{
-        return told(instance, fmi3Discard, {p}_status_text(status));
+        return failed(instance, fmi3Discard, status);
     }}
     unit->time = currentCommunicationPoint + communicationStepSize;
     *lastSuccessfulTime = unit->time;
@@ -296,16 +284,21 @@ EXPORTED fmi3Status fmi3DoStep(fmi3Instance instance, double currentCommunicatio
 """
 
 
-_STATES = Template("""EXPORTED fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *saved)
+_STATES = Template("""static fmi3Status stored(const Instance *instance, fmi3FMUState *saved, const Unit *unit)
 {
     if (*saved == NULL) {
-        *saved = malloc(sizeof(Unit));
+        *saved = malloc(sizeof *unit);
     }
     if (*saved == NULL) {
         return told(instance, fmi3Error, "no memory for the state");
     }
-    memcpy(*saved, &((const Instance *)instance)->unit, sizeof(Unit));
+    memcpy(*saved, unit, sizeof *unit);
     return fmi3OK;
+}
+
+EXPORTED fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *saved)
+{
+    return stored(instance, saved, unit_of(instance));
 }
 
 EXPORTED fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState saved)
@@ -313,7 +306,7 @@ EXPORTED fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState saved)
     if (saved == NULL) {
         return told(instance, fmi3Error, "no state was saved");
     }
-    memcpy(&((Instance *)instance)->unit, saved, sizeof(Unit));
+    memcpy(unit_of(instance), saved, sizeof(Unit));
     return fmi3OK;
 }
 
@@ -362,15 +355,8 @@ EXPORTED fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byt
     memcpy(&read, bytes, sizeof read);
     const int32_t status = ${prefix}_restore(&read.unit.state, &read.snapshot);
     if (status != 0) {
-        return told(instance, fmi3Error, ${prefix}_status_text(status));
+        return failed(instance, fmi3Error, status);
     }
-    if (*saved == NULL) {
-        *saved = malloc(sizeof(Unit));
-    }
-    if (*saved == NULL) {
-        return told(instance, fmi3Error, "no memory for the state");
-    }
-    memcpy(*saved, &read.unit, sizeof read.unit);
-    return fmi3OK;
+    return stored(instance, saved, &read.unit);
 }
 """)
