@@ -36,7 +36,7 @@ def read_rightly(read: Reading) -> Bool:
     return all_of([*(one.present for one in parts), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
 
 
-def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tuple[Num, Bool]:
+def _rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tuple[Num, Bool]:
     """Return the distance run against the direction without a break, mm, and the direction, after a cycle.
 
     The vehicle has turned once it ran farther than D_NVROLL (`reversal_mm`) against its direction without a break, as measured.
@@ -52,7 +52,7 @@ def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tu
 
 @dataclass(frozen=True, eq=False)
 class Rolling:
-    """The direction of running as the world keeps it (`rolled_after`).
+    """The direction of running as the world keeps it (`_rolled_after`).
 
     rolled, backwards  ghosts: the distance run against the direction without a break, mm, and the direction
     ran                the run measured in the cycle, mm
@@ -65,7 +65,7 @@ class Rolling:
 
     @cached_property
     def _after(self) -> tuple[Num, Bool]:
-        return rolled_after(self.rolled, self.backwards, self.ran, self.reversal_mm)
+        return _rolled_after(self.rolled, self.backwards, self.ran, self.reversal_mm)
 
     @property
     def moves(self) -> dict[Var, Expr]:

@@ -1,4 +1,4 @@
-"""What the worlds of several machines say of a vehicle alike: its highest speed, its line, and what an interval that is stated holds.
+"""Laws of a vehicle that several worlds state alike: its highest speed, its line, and the meaning of an interval that is stated.
 
 Only worlds and lemmas import this. Machines and properties have terms of their own, so that a wrong one here cannot excuse itself.
 """

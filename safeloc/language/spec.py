@@ -252,6 +252,13 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     return Goal(observer.on(plain), good, prop, tuple(observer.moves), system, plain, while_waiting)
 
 
+def speaks_of(system: TransitionSystem, prop: Property) -> bool:
+    """Return whether the system has all variables that the property reads, so that it can be judged there."""
+    known: set[Var] = {*system.state, *system.inputs, *system.fired}
+    read = variables([prop.term, prop.response, prop.further_assumption])
+    return all((var if var.before is None else var.before) in known for var in read)
+
+
 def waiting_for(prop: Property) -> NumVar | None:
     """Return the variable that counts steps from a trigger without a response (0: none open; `steps` + 1: too late).
 

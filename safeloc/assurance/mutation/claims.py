@@ -42,12 +42,12 @@ class Claim:
 class Layer:
     """Claims with the same assumption: `system` has this assumption, and their observers.
 
-    given  ranges and lemmas of earlier layers, which proofs of this layer use
+    hypotheses  ranges and lemmas of earlier layers, which proofs of this layer use
     """
 
     system: TransitionSystem
     claims: tuple[Claim, ...]
-    given: tuple[Claim, ...]
+    hypotheses: tuple[Claim, ...]
 
 
 class Canon:
@@ -139,7 +139,7 @@ def _facts(system: TransitionSystem, under_assumption: Collection[str]) -> tuple
 
 
 def _layer(
-    system: TransitionSystem, goals: list[Goal], facts: tuple[Claim, ...], given: tuple[Claim, ...], canon: Canon
+    system: TransitionSystem, goals: list[Goal], facts: tuple[Claim, ...], hypotheses: tuple[Claim, ...], canon: Canon
 ) -> Layer:
     watched = watch(system, goals)
     settle = canon.observers(watched.observers)
@@ -158,7 +158,7 @@ def _layer(
     claims = [Claim("property", goal.prop.name, canon.share.bool(settle.bool(goal.good)), goal) for goal in goals]
     helpers = [Claim("helper", goal.prop.name, _helper(goal, settle, canon), goal) for goal in goals if goal.observers]
     facts = tuple(replace(one, good=canon.share.bool(one.good)) for one in facts)
-    return Layer(made, (*claims, *facts, *helpers), given)
+    return Layer(made, (*claims, *facts, *helpers), hypotheses)
 
 
 def _helper(goal: Goal, settle: Substitution, canon: Canon) -> Bool:
