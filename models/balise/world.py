@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from safeloc.language.expr import (
     FALSE,
-    TRUE,
     Bool,
     Expr,
     Num,
@@ -44,7 +43,14 @@ from safeloc.models.balise.reading_world import (
 )
 from safeloc.models.balise.telegram import LINKED, NOMINAL, REVERSE, UNKNOWN
 from safeloc.models.balise.variables import BaliseConfig, Parts
-from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import (
+    THOUSAND,
+    Measuring,
+    Physics,
+    further_error,
+    possible_at_speed,
+    wander_after,
+)
 from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 ODOMETER = "the odometer obeys its error law"
@@ -57,7 +63,7 @@ def world(own: Parts) -> World:
     seen = own.world
     moves: dict[Var, Expr] = {
         seen.truth: after(own),
-        seen.wander: wander_after(own),
+        seen.wander: _wander_after(own),
         seen.national_accuracy_sent: national(own),
         seen.doubted_group: _doubted(own),
         **_rolling(own).moves,
@@ -73,7 +79,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         ON_THE_LINE: _line_law(own),
         "the antenna stood over the group that is read": _antenna_law(own),
         "the counter measures the run since the reading": counter_law(
-            own.read, own.world.true_since, wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
+            own.read, own.world.true_since, _wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
         ),
         "the age bounds the run since the reading": age_law(
             own.read,
@@ -115,26 +121,19 @@ def can_be_run(own: Parts) -> Bool:
     """
     if not own.config.checked_distance:
         return measuring(own).can_be_run
-    most = physics(own.config).farthest_mm
-    return own.odometer.measured.present & between(-most, own.odometer.measured.value, most)
+    return possible_at_speed(own.odometer.measured, physics(own.config).farthest_mm)
 
 
-def wander_after(own: Parts) -> Num:
-    """Return the one-off error after the cycle. With a checked distance it may change in every cycle: the reported error covers it."""
-    counts = TRUE if own.config.checked_distance else can_be_run(own)
-    return ite(counts, own.world.next_wander, own.world.wander)
-
-
-def _further_error(own: Parts) -> Num:
-    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
+def _wander_after(own: Parts) -> Num:
+    return wander_after(can_be_run(own), own.world.wander, own.world.next_wander, checked=own.config.checked_distance)
 
 
 def _odometer_law(own: Parts) -> Law:
     seen, counts, config = own.world, can_be_run(own), own.config
     counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_cycle_distance - counted - (wander_after(own) - seen.wander)
+    error = seen.true_cycle_distance - counted - (_wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
-    most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
+    most = ite(counts, _lawful_thousandths(own), blind) + further_error(own.odometer.more) * THOUSAND
     return Law(
         (error * THOUSAND <= most) & (-error * THOUSAND <= most),
         "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, by the change of a one-off "
@@ -203,7 +202,7 @@ def _far_nm(own: Parts, accuracy: Num) -> Num:
     cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
     timed = run_in_age_nm(own.read, own.config.max_speed_mm_s) + config.measuring_step_mm * NM_PER_MM
     since = ite(own.read.since.present, counted_wrong_nm(own.read, own.config.odometer.rate_ppm), timed)
-    return exact_to(accuracy + fixed, NM) + (since + _further_error(own) + cycle) * 2
+    return exact_to(accuracy + fixed, NM) + (since + further_error(own.odometer.more) + cycle) * 2
 
 
 def _off(own: Parts, place: Num) -> Num:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import (
+    TRUE,
     Bool,
     Expr,
     Lit,
@@ -68,6 +69,24 @@ class Physics:
         return self.max_speed_mm_s * self.period_ms * THOUSAND
 
 
+def possible_at_speed(measured: Optional, farthest_mm: int) -> Bool:
+    """Return whether a distance was delivered that a vehicle can have run by its speed, either way."""
+    return measured.present & between(-farthest_mm, measured.value, farthest_mm)
+
+
+def further_error(more: Num | None) -> Num:
+    """Return the error that a checking unit reports beyond the law, nm; 0 without such a unit."""
+    return as_num(0, NM) if more is None else more
+
+
+def wander_after(counts: Bool, wander: Num, next_wander: Num, *, checked: bool) -> Num:
+    """Return the one-off error after the cycle: it moves with a distance that counts.
+
+    That of a checked distance may move in every cycle, since the reported error covers it.
+    """
+    return ite(TRUE if checked else counts, next_wander, wander)
+
+
 @dataclass(frozen=True, eq=False)
 class Measuring:
     """A unit in the world.
@@ -109,7 +128,7 @@ class Measuring:
 
     def wander_after(self, wander: Num, next_wander: Num) -> Num:
         """Return the one-off part of the error after the cycle: it moves only with a distance that can be run."""
-        return ite(self.can_be_run, next_wander, wander)
+        return wander_after(self.can_be_run, wander, next_wander, checked=False)
 
     def error(self, ran: Num, wander: Num, next_wander: Num) -> Num:
         """Return the error of the cycle's distance without its one-off part, nm; `ran`: the true run of the cycle, nm."""

@@ -94,7 +94,7 @@ def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = (
 
     under_assumption  lemmas that read no ghost, but hold only under the assumption
     """
-    system = _settled(declared.lowered(), canon)
+    system = settled(declared.lowered(), canon)
     goals = [observe(system, prop) for prop in declared.properties if prop.kind != "reachable"]
     free = [goal for goal in goals if goal.prop.unconditional and goal.prop.further_assumption is TRUE]
     bound = [goal for goal in goals if not goal.prop.unconditional and goal.prop.further_assumption is TRUE]
@@ -112,7 +112,7 @@ def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = (
     return Held(declared, system, (board, world, *further), dict(_exclusions(declared.machine, canon)))
 
 
-def _settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
+def settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
     """Return the system with its terms replaced by the shared nodes."""
     share = canon.share
     return replace(

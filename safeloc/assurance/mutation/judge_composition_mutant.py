@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.assurance.mutation import results
-from safeloc.assurance.mutation.claims import Canon, Layer, layer_of, variable
+from safeloc.assurance.mutation.claims import Canon, Layer, layer_of, settled, variable
 from safeloc.assurance.mutation.corpus import Run, recorded
 from safeloc.assurance.mutation.equivalence import equal
 from safeloc.assurance.mutation.members import Composed, joined
@@ -138,14 +138,7 @@ def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
         replace(part, inputs_in_range=share.bool(part.inputs_in_range), contract=share.bool(part.contract))
         for part in system.parts
     ]
-    return replace(
-        system,
-        init=share.bool(system.init),
-        next={var: share(term) for var, term in system.next.items()},
-        assume=share.bool(system.assume),
-        outputs={name: share(term) for name, term in system.outputs.items()},
-        parts=tuple(parts),
-    )
+    return replace(settled(system, canon), parts=tuple(parts))
 
 
 # ------------------------------------------------------------------ contracts and claims
