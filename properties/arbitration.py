@@ -13,6 +13,7 @@ from safeloc.models.arbitration import Arbitration
 from safeloc.models.arbitration.variables import Source
 from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+from safeloc.properties.claims import Claims
 from safeloc.properties.no_interval import no_interval
 
 _SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
@@ -25,9 +26,7 @@ def properties(model: Arbitration) -> list[Property]:
     return [prop for maker in makers for prop in maker(model)]
 
 
-def _free(name: str, term: Bool, statement: str) -> Property:
-    """Claim a property that needs no assumption."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
+_free = Claims(REQUIREMENTS).for_all_inputs
 
 
 def _safety(model: Arbitration) -> Iterator[Property]:

@@ -37,6 +37,7 @@ from safeloc.models.satellite_selection.variables import (
     parts,
 )
 from safeloc.models.satellite_selection.world import is_current, world
+from safeloc.models.vocabulary.how_many import how_many
 
 __all__ = [
     "ABSENT",
@@ -84,7 +85,7 @@ def build(own: Parts) -> Selection:
         world=world(own),
         lemmas={
             "usable satellites are counted": own.usable_satellites.eq(
-                _count(one.standing.eq(USABLE) for one in own.channels)
+                how_many(one.standing.eq(USABLE) for one in own.channels)
             )
         },
         doc=(
@@ -167,7 +168,7 @@ def _is_twice(own: Parts, one: Channel) -> Bool:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, some = table
-    count = _count(standing(own, one).eq(USABLE) for one in own.channels)
+    count = how_many(standing(own, one).eq(USABLE) for one in own.channels)
     requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-6", "SAT-D1")
     every = together(
         {own.usable_satellites: count, own.current: is_current(own)}, *(_channel(own, one) for one in own.channels)
@@ -180,10 +181,3 @@ def _channel(own: Parts, one: Channel) -> Updates:
     """Standing, warm-up and identity of a channel's satellite."""
     identity = ite(one.satellite.present, one.satellite.value, as_num(0, COUNT))
     return {one.standing: standing(own, one), one.warm: warm(own, one), one.held: identity}
-
-
-def _count(terms: Iterator[Bool]) -> Num:
-    total = as_num(0, COUNT)
-    for term in terms:
-        total = total + ite(term, as_num(1, COUNT), 0)
-    return total
