@@ -174,15 +174,13 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "a narrow interval is tolerable",
         (lost & narrow).implies(~too_wide),
-        "the machine does not withdraw a position for its tolerance if the part that all sources have in common is "
-        "no wider than that",
+        "the machine does not withdraw a position for its tolerance if the part that all sources have in common is no wider than that",
     )
     lags = own.reason.eq(SENSOR_FAILURE) & valid
     yield _free(
         "withdrawn for a reason",
         (lost & valid).implies(contradicted | too_wide | lags),
-        "while a source gives an interval, the machine withdraws a position only for a contradiction, its "
-        "tolerance, or a lag beyond its limit",
+        "while a source gives an interval, the machine withdraws a position only for a contradiction, its tolerance, or a lag beyond its limit",
     )
 
 

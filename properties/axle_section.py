@@ -282,8 +282,7 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
     yield _held(
         "axles of a sweep stay counted at each end",
         goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.counted_axles)),
-        "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten "
-        "on the way",
+        "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten on the way",
     )
     yield _held(
         "a sweep ends clear or disturbed",

@@ -166,8 +166,7 @@ def _added(model: CountingHead) -> Iterator[Property]:
         fault.iff(done & _flawed(model))
         & axles.eq(ite(sound, ups + downs, 0))
         & axle.eq(ite(sound & (ups > 0), UP, ite(sound & (downs > 0), DOWN, NO_AXLE))),
-        "a record without a fault reports the axles of its cycle with their direction; a record with a fault, and a sample within a cycle, "
-        "reports none",
+        "a record without a fault reports the axles of its cycle with their direction; a record with a fault, and a sample within a cycle, reports none",
     )
 
 
