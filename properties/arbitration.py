@@ -13,6 +13,7 @@ from safeloc.models.arbitration import Arbitration
 from safeloc.models.arbitration.variables import Source
 from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+from safeloc.properties.claims import Claims
 from safeloc.properties.no_interval import no_interval
 
 _SOURCES_ARE_TRUE = "a source that states an interval states one that holds the truth (its own proof discharges this)"
@@ -25,9 +26,7 @@ def properties(model: Arbitration) -> list[Property]:
     return [prop for maker in makers for prop in maker(model)]
 
 
-def _free(name: str, term: Bool, statement: str) -> Property:
-    """Claim a property that needs no assumption."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
+_free = Claims(REQUIREMENTS).for_all_inputs
 
 
 def _safety(model: Arbitration) -> Iterator[Property]:
@@ -175,15 +174,13 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
     yield _free(
         "a narrow interval is tolerable",
         (lost & narrow).implies(~too_wide),
-        "the machine does not withdraw a position for its tolerance if the part that all sources have in common is "
-        "no wider than that",
+        "the machine does not withdraw a position for its tolerance if the part that all sources have in common is no wider than that",
     )
     lags = own.reason.eq(SENSOR_FAILURE) & valid
     yield _free(
         "withdrawn for a reason",
         (lost & valid).implies(contradicted | too_wide | lags),
-        "while a source gives an interval, the machine withdraws a position only for a contradiction, its "
-        "tolerance, or a lag beyond its limit",
+        "while a source gives an interval, the machine withdraws a position only for a contradiction, its tolerance, or a lag beyond its limit",
     )
 
 

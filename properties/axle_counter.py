@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite
-from safeloc.language.spec import Property, always, reachable
+from safeloc.language.spec import Property, reachable
 from safeloc.language.units import COUNT, MS, NM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
+from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-3", "FVA-5", "FVA-12", "FVA-14")
 LAW = (
@@ -42,14 +43,8 @@ def properties(model: AxleCounter) -> list[Property]:
     ]
 
 
-def _held(name: str, term: Bool, statement: str) -> Property:
-    """Return a property for all inputs in range."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
-
-
-def _lawful(name: str, term: Bool, statement: str) -> Property:
-    """Return a property that rests on the world's laws."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
+_CLAIMS = Claims(REQUIREMENTS, LAW)
+_held, _lawful = _CLAIMS.for_all_inputs, _CLAIMS.lawful
 
 
 def _ahead(model: AxleCounter, along: Num) -> Num:

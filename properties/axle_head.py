@@ -9,6 +9,7 @@ from safeloc.language.expr import Bool, NumVar, before, was
 from safeloc.language.spec import Property, always, previous, reachable, since
 from safeloc.models.axle_head import AxleHead
 from safeloc.models.axle_head.variables import DOWN, NO_AXLE, UP, Parts
+from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 LAW = "one wheel at a time, sampled often enough, and no false damping"
@@ -20,9 +21,7 @@ def properties(model: AxleHead) -> list[Property]:
     return [*_wheels(model), *_sequences(model), *_disturbs(model), *_disturbed(model), *_reached(model)]
 
 
-def _held(name: str, term: Bool, statement: str) -> Property:
-    """Return a property for all samples."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
+_held = Claims(REQUIREMENTS).for_all_inputs
 
 
 def _end_um(own: Parts) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from safeloc.language.expr import Bool, BoolVar, Num, NumVar, all_of, any_of, before, ite, minimum, was
-from safeloc.language.spec import Property, always, reachable
+from safeloc.language.spec import Property, reachable
 from safeloc.models.axle_section import AxleSection
 from safeloc.models.axle_section.variables import (
     ACCEPTED,
@@ -21,6 +21,7 @@ from safeloc.models.axle_section.variables import (
     RAN_THROUGH,
     Parts,
 )
+from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 LAW = (
@@ -47,14 +48,8 @@ def properties(model: AxleSection) -> list[Property]:
     ]
 
 
-def _held(name: str, term: Bool, statement: str) -> Property:
-    """Return a property for all inputs in range."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
-
-
-def _lawful(name: str, term: Bool, statement: str) -> Property:
-    """Return a property that rests on the world's laws."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, assumption=LAW)
+_CLAIMS = Claims(REQUIREMENTS, LAW)
+_held, _lawful = _CLAIMS.for_all_inputs, _CLAIMS.lawful
 
 
 # ------------------------------------------------------------------ terms from the inputs
@@ -287,8 +282,7 @@ def _sweeps(model: AxleSection) -> Iterator[Property]:
     yield _held(
         "axles of a sweep stay counted at each end",
         goes_on.implies(kept & _came_in(own).eq(_went_out(own) + own.counted_axles)),
-        "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten "
-        "on the way",
+        "the axles of the sweep since the reset, at each end and in each direction, are counted and not forgotten on the way",
     )
     yield _held(
         "a sweep ends clear or disturbed",

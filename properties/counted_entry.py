@@ -121,8 +121,7 @@ def _heard(whole: CountedEntry) -> Iterator[Property]:
     yield for_all_inputs(
         "at the counter place and speed are compared",
         (recorded & _trusted(whole)).implies(place & told.implies(speed)),
-        statement="a train that is trusted in the cycle of its record has had its place compared with the counter's, and its speed if the fibre "
-        "told one",
+        statement="a train that is trusted in the cycle of its record has had its place compared with the counter's, and its speed if the fibre told one",
     )
     yield for_all_inputs(
         "the record is no wider than the counter's",

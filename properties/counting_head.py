@@ -10,6 +10,7 @@ from safeloc.language.units import COUNT
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 from safeloc.models.counting_head import CountingHead
 from safeloc.models.vocabulary.head_contract import counts_every_axle
+from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 _BACK = ("turned back to A", "turned back to B", "turned back to both, upwards", "turned back to both, downwards")
@@ -28,9 +29,7 @@ def properties(model: CountingHead) -> list[Property]:
     ]
 
 
-def _held(name: str, term: Bool, statement: str) -> Property:
-    """Return a property for all samples."""
-    return always(name, term, statement=statement, requirements=REQUIREMENTS, unconditional=True)
+_held = Claims(REQUIREMENTS).for_all_inputs
 
 
 def _contract(model: CountingHead) -> Iterator[Property]:
@@ -167,8 +166,7 @@ def _added(model: CountingHead) -> Iterator[Property]:
         fault.iff(done & _flawed(model))
         & axles.eq(ite(sound, ups + downs, 0))
         & axle.eq(ite(sound & (ups > 0), UP, ite(sound & (downs > 0), DOWN, NO_AXLE))),
-        "a record without a fault reports the axles of its cycle with their direction; a record with a fault, and a sample within a cycle, "
-        "reports none",
+        "a record without a fault reports the axles of its cycle with their direction; a record with a fault, and a sample within a cycle, reports none",
     )
 
 

@@ -43,8 +43,7 @@ def _chain(model: Emitter) -> Iterator[Property]:
         config.due_cycles,
         ~own.works,
         own.works | ~works,
-        statement="a chain that no longer works is not reported as tested once its due time and one cycle are over, "
-        "counted from the last pattern",
+        statement="a chain that no longer works is not reported as tested once its due time and one cycle are over, counted from the last pattern",
         requirements=REQUIREMENTS,
         assumption=LAW,
         helper=lambda waited: works.implies(waited <= own.since_passed),
@@ -154,8 +153,7 @@ def _patterns(model: Emitter) -> Iterator[Property]:
     yield for_all_inputs(
         "the verdict names why a pattern does not pass",
         all_of(outcome.eq(verdict).iff(meaning) for verdict, meaning in meanings.items()),
-        statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the "
-        "own one from elsewhere",
+        statement="the verdict distinguishes no pattern, another emitter's pattern, the own one without a place, and the own one from elsewhere",
     )
     yield for_all_inputs(
         "a foreign pattern is reported",

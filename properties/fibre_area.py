@@ -317,6 +317,7 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
     yield from _added_error(model)
     yield from _parted(model)
     yield from _counted_out(model)
+    yield from _not_counted(model)
 
 
 def _grows(model: FibreArea) -> Iterator[Property]:
@@ -347,6 +348,13 @@ def _counted_out(model: FibreArea) -> Iterator[Property]:
         "sections: no event of leaving clears them, only counters that report an empty area",
         requirements=(*STAY, *CLEAR),
     )
+
+
+def _not_counted(model: FibreArea) -> Iterator[Property]:
+    """Claim that a train whose axles were not counted does not leave."""
+    slot, area = model.area.own.slots[0], _of_slot(model)
+    own, of = model.entry, model.composition.of(model.entry.machine)
+    enters = area.bool(slot.enters)
     uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
     yield for_all_inputs(
         "a train of which axles were not counted is not counted out",
@@ -379,8 +387,7 @@ def _added_error(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "an end leads by run one way only",
         all_of(_one_way(model, run)),
-        statement="the run in one direction is counted from zero again in a cycle in which the train stands, turns, is not "
-        "measured, or is gone",
+        statement="the run in one direction is counted from zero again in a cycle in which the train stands, turns, is not measured, or is gone",
         requirements=(*COUNTS, *CLEAR),
     )
 

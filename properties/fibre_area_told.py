@@ -48,6 +48,7 @@ def told(model: FibreArea) -> Iterator[Property]:
     """Yield the claims."""
     seen = _Seen(model)
     yield from _distrusted(seen)
+    yield from _withheld(seen)
     yield _located(seen)
     yield from _compared(seen)
     yield from _reported(seen)
@@ -112,13 +113,8 @@ def _distrusted(seen: _Seen) -> Iterator[Property]:
         REFERENCE_LOST: seen.entry.bool(model.entry.machine.fired("reference overdue")),
         REFERENCE_REFUSED: seen.entry.num(model.entry.comes).ne(NO_SENDER),
     }
-    front, limit = model.front, figures.position_limit_mm
-    margins = [seen.end(front, f"margin_{side}") > figures.margin_limit_mm for side in ("above", "below")]
-    outside = any_of([*margins, ~between(-limit, seen.end(front, "position"), limit)])
-    lacks = {NOT_LOCATED: ~seen.both | outside | ~_spans(seen)}
     if figures.needs_emitter:
         causes[CHAIN_FAILED] = seen.chain("failed")
-        lacks[CHAIN_UNTESTED] = ~seen.chain("chain_tested")
         yield for_all_inputs(
             "a chain that failed is latched",
             all_of([_was_known(seen), seen.chain("failed"), ~seen.entry.bool(model.entry.left)]).implies(seen.mode(3)),
@@ -133,6 +129,18 @@ def _distrusted(seen: _Seen) -> Iterator[Property]:
         "and for the emitter only if its test failed",
         requirements=(*_TRUST, *_EMITTER),
     )
+
+
+def _withheld(seen: _Seen) -> Iterator[Property]:
+    """Claim the only reasons for which a train is withheld."""
+    model, own, figures = seen.model, seen.model.verification.own, seen.model.config.verification
+    reason = seen.verification.num(own.why)
+    front, limit = model.front, figures.position_limit_mm
+    margins = [seen.end(front, f"margin_{side}") > figures.margin_limit_mm for side in ("above", "below")]
+    outside = any_of([*margins, ~between(-limit, seen.end(front, "position"), limit)])
+    lacks = {NOT_LOCATED: ~seen.both | outside | ~_spans(seen)}
+    if figures.needs_emitter:
+        lacks[CHAIN_UNTESTED] = ~seen.chain("chain_tested")
     yield for_all_inputs(
         "a train is withheld only for what is missing",
         all_of((seen.mode(1) & reason.eq(why)).implies(cause) for why, cause in lacks.items()),

@@ -37,8 +37,7 @@ def properties(area: Area, of: Substitution) -> Iterator[Property]:
         yield for_all_inputs(
             f"followers from the {name} end run no faster than they can",
             seen.no_farther,
-            statement="the bound moves inward by no more than the run of a cycle at top speed, from the end on; from the end anew when a train "
-            "comes in",
+            statement="the bound moves inward by no more than the run of a cycle at top speed, from the end on; from the end anew when a train comes in",
         )
 
 

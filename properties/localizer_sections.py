@@ -134,8 +134,7 @@ def _heard(model: LocalizerSections) -> Iterator[Property]:
     yield for_all_inputs(
         "both ends are sent together",
         all_of(on_board),
-        statement="the far end is reckoned from the interval that the host gets in this cycle; it is sent, and arrives, with the report of the "
-        "front end",
+        statement="the far end is reckoned from the interval that the host gets in this cycle; it is sent, and arrives, with the report of the front end",
     )
     yield for_all_inputs(
         "the trackside hears both links",

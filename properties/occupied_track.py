@@ -182,8 +182,7 @@ def _true(model: OccupiedTrack) -> Iterator[Property]:
     yield under_assumption(
         "the true track is carried",
         _carrying(model).implies(any_of(holds)),
-        statement="while the machine carries any track, the edge on which the front end is, is among them, and the interval on it holds the true "
-        "place",
+        statement="while the machine carries any track, the edge on which the front end is, is among them, and the interval on it holds the true place",
     )
     yield under_assumption(
         "a track that is told is the true one",
@@ -309,8 +308,7 @@ def _reasons(model: OccupiedTrack) -> Iterator[Property]:
     yield for_all_inputs(
         "more than carried is no position",
         (earlier_bool(_carrying(model)) & _not_offered(model)).implies(~_carrying(model)),
-        statement="if the vehicle may be on a track for which there is no slot, or may have passed a joint that the map does not state, nothing "
-        "is told",
+        statement="if the vehicle may be on a track for which there is no slot, or may have passed a joint that the map does not state, nothing is told",
     )
     yield for_all_inputs(
         "given up for too many only then",

@@ -34,8 +34,7 @@ def properties(source: OwnSource) -> list[Property]:
         free(
             "the interval is in range",
             valid.implies(all_of(in_range)),
-            statement=f"{clause}while valid, the position is at most {far} mm from 0, and each margin is from 0 to "
-            f"{vehicle.widest_mm} mm",
+            statement=f"{clause}while valid, the position is at most {far} mm from 0, and each margin is from 0 to {vehicle.widest_mm} mm",
         ),
         free(
             "a reason is stated",

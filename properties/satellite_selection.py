@@ -151,8 +151,7 @@ def _listed(model: Selection, one: Channel) -> Iterator[Property]:
     yield always(
         f"{name}: a usable satellite is above the horizon",
         (current & one.standing.eq(USABLE)).implies((one.elevation >= low) & (one.elevation > 0)),
-        statement="with a current almanac every usable satellite stands above the horizon, by at least the mask less the "
-        "almanac's accuracy",
+        statement="with a current almanac every usable satellite stands above the horizon, by at least the mask less the almanac's accuracy",
         requirements=("SAT-6",),
         assumption=_COARSE,
     )
@@ -314,8 +313,7 @@ def _counted(model: Selection) -> Iterator[Property]:
     yield for_all_inputs(
         "the number of usable satellites is reported",
         machine.output("usable").eq(total) & machine.mode.eq(ite(total.eq(0), none, some)),
-        statement="the reported number of usable satellites is the number of usable channels, and the machine "
-        "reports whether there is any",
+        statement="the reported number of usable satellites is the number of usable channels, and the machine reports whether there is any",
         requirements=("SAT-1",),
     )
     yield for_all_inputs(

@@ -91,15 +91,13 @@ def _narrowed(model: Sections, one: Slot) -> Iterator[Property]:
     yield for_all_inputs(
         f"train {one.number} report is widened by its age",
         _aged(of, one),
-        statement="a report narrows a train's interval no further than to the stretch that the train can have reached "
-        "since, at top speed",
+        statement="a report narrows a train's interval no further than to the stretch that the train can have reached since, at top speed",
         requirements=("FVA-9",),
     )
     yield for_all_inputs(
         f"train {one.number} that may be split is believed at its leading end only",
         _leads(of, one),
-        statement="a report of a train that is not known to be whole, or whose report of integrity is not trusted, narrows "
-        "nothing at the trailing end",
+        statement="a report of a train that is not known to be whole, or whose report of integrity is not trusted, narrows nothing at the trailing end",
         requirements=("FVA-9",),
     )
     yield for_all_inputs(

@@ -71,16 +71,14 @@ def _patterns(model: TrainOrder) -> Iterator[Property]:
     yield for_all_inputs(
         "another number of patterns belongs to nobody",
         associated.implies(is_ordered & own.patterns.eq(trains) & _lie_apart(own)),
-        statement="with more or fewer patterns than trains, or patterns that overlap, no pattern belongs to a train in "
-        "that cycle",
+        statement="with more or fewer patterns than trains, or patterns that overlap, no pattern belongs to a train in that cycle",
     )
     yield for_all_inputs(
         "as many patterns as trains belong to them in their order",
         (is_ordered & own.patterns.eq(trains) & _lie_apart(own)).implies(
             all_of(one.eq(train) for one, train in zip(own.belongs, own.order, strict=True))
         ),
-        statement="with as many patterns as trains, lying apart, the first pattern belongs to the first train, and so on, "
-        "in that cycle",
+        statement="with as many patterns as trains, lying apart, the first pattern belongs to the first train, and so on, in that cycle",
     )
     yield for_all_inputs(
         "associated patterns are somebody's",

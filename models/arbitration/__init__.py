@@ -28,29 +28,26 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     as_num,
-    between,
-    exact_to,
     ite,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
-from safeloc.language.units import MM, NM
-from safeloc.language.world import Law, World
+from safeloc.language.units import MM
+from safeloc.language.world import Law
 from safeloc.models.arbitration.cycle import Cycle
 from safeloc.models.arbitration.variables import SOURCES, ArbitrationConfig, Parts, Source, parts
 from safeloc.models.vocabulary.absent import margin_if, position_if
 from safeloc.models.vocabulary.reasons import CONTRADICTION, LOCATED, SENSOR_FAILURE, TOLERANCE
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 __all__ = ["SOURCES", "Arbitration", "ArbitrationConfig", "Source", "build", "parts"]
 REQUIREMENTS = ("RFL-13", "RFL-14")
 
 
 @dataclass(frozen=True, eq=False)
-class Arbitration:
+class Arbitration(Model[Parts]):
     """The machine together with the terms it was built from, for properties to speak about."""
 
-    machine: Machine
-    own: Parts
     cycle: Cycle
 
 
@@ -63,11 +60,9 @@ def build(own: Parts) -> Arbitration:
     current = current_mode(table)
     given = current.ne(table[0])
     cycle = Cycle(own, current, table)
-    made = Machine(
+    made = own.declared.machine(
         name="arbitration",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "valid": given,
             "position_mm": position_if(given, own.position),
@@ -82,9 +77,7 @@ def build(own: Parts) -> Arbitration:
             "reason": own.reason,
         },
         transitions=[*_given(own, cycle), *_withheld(own, cycle)],
-        world=World(
-            ghosts=own.declared.ghosts,
-            choices=own.declared.choices,
+        world=own.declared.world(
             moves={own.truth: own.next_truth},
             clauses=_sources_hold_the_truth(own),
         ),
@@ -196,9 +189,9 @@ def _sources_hold_the_truth(own: Parts) -> dict[str, Law]:
 
 
 def _lemmas(own: Parts, given: Bool) -> dict[str, Bool]:
-    low, high = own.position - own.below, own.position + own.above
+    inside = stated_interval_holds(own.position, own.below, own.above, own.truth)
     nothing = own.position.eq(0) & own.below.eq(0) & own.above.eq(0) & own.lag.eq(0)
     return {
-        "the interval holds the truth": given.implies(between(exact_to(low, NM), own.truth, exact_to(high, NM))),
+        "the interval holds the truth": given.implies(inside),
         "nothing while withheld": given | nothing,
     }

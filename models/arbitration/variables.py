@@ -14,11 +14,9 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     Var,
-    between,
     boolean,
     choice,
     enumeration,
-    exact_to,
     maximum,
     members,
     number,
@@ -27,6 +25,7 @@ from safeloc.language.expr import (
 from safeloc.language.machine import ANY
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 SOURCES = ("odometry", "balise", "reflector", "satellite", "fibre")
 
@@ -98,7 +97,7 @@ class Source:
 
     def holds(self, truth: Num) -> Bool:
         """Return whether the source's interval contains the true position."""
-        return between(exact_to(self.low, NM), truth, exact_to(self.high, NM))
+        return stated_interval_holds(self.position, self.below, self.above, truth)
 
 
 class Parts:

@@ -17,7 +17,6 @@ Positions are mm along the line, from the low end to the high end.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from safeloc.language.expr import (
     FALSE,
@@ -33,7 +32,7 @@ from safeloc.language.expr import (
     maximum,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, current_mode
+from safeloc.language.machine import Machine, Model, Transition, current_mode
 from safeloc.language.nodes import Value
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
@@ -61,12 +60,7 @@ __all__ = [
 REQUIREMENTS = ("FVA-9",)
 
 
-@dataclass(frozen=True, eq=False)
-class Area:
-    """The machine together with the terms from which it was built."""
-
-    machine: Machine
-    own: Parts
+Area = Model[Parts]
 
 
 def machine(config: AreaConfig | None = None) -> Machine:
@@ -82,11 +76,9 @@ def build(own: Parts, *, kept: Sequence[Slot] = (), counted_out: Sequence[Slot] 
     """
     table = own.modes
     current = current_mode(table)
-    made = Machine(
+    made = own.declared.machine(
         name="area",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, table)),
         world=world(own, kept, counted_out),

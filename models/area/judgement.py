@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from safeloc.language.expr import Bool, BoolVar, Num, NumVar, all_of, any_of, as_num, ite, maximum, members
 from safeloc.language.units import COUNT
+from safeloc.models.vocabulary.how_many import how_many
 
 EVIDENCE = members(
     "evidence",
@@ -100,12 +100,12 @@ class Judgement:
     @property
     def count(self) -> Num:
         """Number of trains that may be here."""
-        return _sum(self.reaches(train) for train in self.trains)
+        return how_many(self.reaches(train) for train in self.trains)
 
     @property
     def followed_count(self) -> Num:
         """Number of those with a recent report."""
-        return _sum(self.followed(train) for train in self.trains)
+        return how_many(self.followed(train) for train in self.trains)
 
     @property
     def first(self) -> Num:
@@ -141,10 +141,3 @@ class Judgement:
         """Trust in the state: reports within the mute timer; older reports extended at top speed; or none, with loose vehicles."""
         old = any_of(self.rests_on(train) & self.silent(train) for train in self.trains)
         return ite(self.loose, NO_TRUST, ite(old, RUN_ON, VERIFIED))
-
-
-def _sum(terms: Iterable[Bool]) -> Num:
-    total = as_num(0, COUNT)
-    for term in terms:
-        total = total + ite(term, as_num(1, COUNT), 0)
-    return total

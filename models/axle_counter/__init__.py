@@ -61,11 +61,9 @@ def build(own: Parts) -> AxleCounter:
     current = current_mode(table)
     *_, done = table
     cycle = Cycle(own)
-    made = Machine(
+    made = own.declared.machine(
         name="axle_counter",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current.eq(done)),
         transitions=list(_table(own, cycle, table)),
         world=world(own),

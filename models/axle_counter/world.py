@@ -25,9 +25,7 @@ def world(own: Parts) -> World:
     run, length = _run_after(own)
     axles = ite(_first(own), own.true_axles_in_cycle, minimum(own.axles + own.true_axles_in_cycle, own.axles.high))
     passes = own.true_axles_in_cycle > 0
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.speed: own.next_true_speed,
             own.run: run,

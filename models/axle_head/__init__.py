@@ -56,11 +56,9 @@ def build(own: Parts) -> AxleHead:
     """Return the machine over the given variables."""
     table = modes(*MODES)
     current = current_mode(table)
-    made = Machine(
+    made = own.declared.machine(
         name="axle_head",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={"counted": own.axle, "damped": current.ne(table[0]), "disturbed": current.eq(table[-1])},
         transitions=list(_table(own, table)),
         world=world(own),

@@ -17,9 +17,7 @@ SAMPLED = ("max_speed_mm_s", "sample_us")
 
 def world(own: Parts) -> World:
     """Return the world: the wheel nearest to the head, and the side from which it came."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={own.wheel: own.next_wheel, own.from_low: _from_low(own), own.passed: _passed(own)},
         clauses=_clauses(own),
     )

@@ -50,11 +50,9 @@ def build(own: Parts) -> AxleSection:
     current = current_mode(table)
     _, clear, occupied, _, _ = table
     counting = current.one_of(clear, occupied)
-    made = Machine(
+    made = own.declared.machine(
         name="axle_section",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "clear": current.eq(clear),
             "healthy": counting,

@@ -27,9 +27,7 @@ from safeloc.models.axle_section.variables import (
 
 def world(own: Parts) -> World:
     """Return the world: axles in the section, and the progress of the sweep."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.axles: _axles_after(own),
             own.sweep: _sweep_after(own),

@@ -38,7 +38,7 @@ from safeloc.language.expr import (
     ite,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.balise import variables as v
@@ -60,11 +60,9 @@ def machine(config: BaliseConfig | None = None) -> Machine:
 
 
 @dataclass(frozen=True, eq=False)
-class Balise:
+class Balise(Model[Parts]):
     """The machine together with the terms it was built from, for properties to speak about."""
 
-    machine: Machine
-    own: Parts
     judgement: Judgement
 
 
@@ -75,11 +73,9 @@ def build(own: Parts) -> Balise:
     current = current_mode(mode)
     located = current.eq(mode[-1])
     judgement = Judgement(own, located, current.eq(mode[1]) if waits else FALSE)
-    made = Machine(
+    made = own.declared.machine(
         name="balise",
         modes=mode,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, located),
         transitions=[*_located(own, judgement, mode), *_unlocated(own, judgement, mode)],
         world=world(own),

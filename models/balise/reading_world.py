@@ -5,7 +5,25 @@ Figures and terms are the world's own: nothing here is what a machine computes.
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, as_num, between, exact_to, ite, maximum, with_unit
+from dataclasses import dataclass
+from functools import cached_property
+
+from safeloc.language.expr import (
+    Bool,
+    BoolVar,
+    Expr,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    all_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.language.world import Law
 from safeloc.models.balise.telegram import PASSED, Reading
@@ -18,7 +36,7 @@ def read_rightly(read: Reading) -> Bool:
     return all_of([*(one.present for one in parts), read.check.value.eq(PASSED), read.total.value.eq(read.read.value)])
 
 
-def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tuple[Num, Bool]:
+def _rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tuple[Num, Bool]:
     """Return the distance run against the direction without a break, mm, and the direction, after a cycle.
 
     The vehicle has turned once it ran farther than D_NVROLL (`reversal_mm`) against its direction without a break, as measured.
@@ -30,6 +48,53 @@ def rolled_after(rolled: Num, backwards: Bool, ran: Num, reversal_mm: int) -> tu
     turns = reversal_mm < against
     turned = (backwards & ~turns) | (turns & ~backwards)
     return ite(turns, as_num(0, MM), against), turned
+
+
+@dataclass(frozen=True, eq=False)
+class Rolling:
+    """The direction of running as the world keeps it (`_rolled_after`).
+
+    rolled, backwards  ghosts: the distance run against the direction without a break, mm, and the direction
+    ran                the run measured in the cycle, mm
+    """
+
+    rolled: NumVar
+    backwards: BoolVar
+    ran: Num
+    reversal_mm: int
+
+    @cached_property
+    def _after(self) -> tuple[Num, Bool]:
+        return _rolled_after(self.rolled, self.backwards, self.ran, self.reversal_mm)
+
+    @property
+    def moves(self) -> dict[Var, Expr]:
+        """The moves of the two ghosts."""
+        return dict(zip((self.rolled, self.backwards), self._after, strict=True))
+
+    @property
+    def runs_back(self) -> Bool:
+        """The vehicle runs backwards at the end of the cycle."""
+        return self._after[1]
+
+
+def accuracy_sent(received: Optional, before: Num) -> Num:
+    """Return the national location accuracy in force, mm: the one received in this cycle, else the one `before`."""
+    return ite(~received.present, before, received.value)
+
+
+def antenna_law(read: Reading, off: Num, detection_mm: int) -> Law:
+    """Return the law of the antenna; `off`: how far the antenna stood beyond balise 1 of the group that is read, nm."""
+    most = detection_mm * NM_PER_MM
+    return Law(
+        read_rightly(read).implies(between(-most, off, most)),
+        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
+        "accuracy; the antenna is so far behind the front end as configured.",
+        ("antenna_mm", "detection_mm"),
+        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
+        "supplier",
+        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
+    )
 
 
 def counted_wrong_nm(read: Reading, rate_ppm: int) -> Num:

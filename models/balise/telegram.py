@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 from safeloc.language.declared import Declared
 from safeloc.language.expr import (
@@ -31,6 +32,8 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PPM
+from safeloc.models.vocabulary.cycle_figures import DistanceConfig
+from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.interval import Interval
 
 _LARGEST_GROUP = 8
@@ -195,6 +198,34 @@ def chosen(name: str, of: tuple[Lit, ...]) -> Optional:
     return Optional(choice(name, enumeration(of)), boolean(f"{name}.present"))
 
 
+class ReaderConfig(DistanceConfig, Protocol):
+    """The figures of a configuration that a reading depends on."""
+
+    @property
+    def odometer(self) -> ErrorLaw:
+        """The error law of the odometer that counts the run since the reading."""
+        ...
+
+    @property
+    def antenna_mm(self) -> int:
+        """Distance of the antenna behind the front end, mm."""
+        ...
+
+    @property
+    def detection_mm(self) -> int:
+        """Detection accuracy of the antenna, mm."""
+        ...
+
+
+def check_telegram_age(limit_ms: int, period_ms: int) -> None:
+    """Raise ValueError for an age limit that a telegram of this cycle can exceed."""
+    if 10 * limit_ms <= period_ms:
+        raise ValueError(
+            f"telegram_age_limit_ms {limit_ms} must be above a tenth of period_ms {period_ms}: "
+            "a telegram read within a cycle is up to that cycle old at its end."
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Reader:
     """The antenna, and the errors of a reading.
@@ -212,6 +243,19 @@ class Reader:
     period_ms: int
     max_speed_mm_s: int
     measuring_step_mm: int
+
+    @classmethod
+    def of(cls, config: ReaderConfig) -> Reader:
+        """Return the reader of a vehicle that counts distance with the odometer of its configuration."""
+        return cls(
+            config.antenna_mm,
+            config.detection_mm,
+            2 * config.odometer.wander_nm,
+            config.odometer.rate_ppm,
+            config.period_ms,
+            config.max_speed_mm_s,
+            config.measuring_step_mm,
+        )
 
     def window(self, place: Num, accuracy: Num) -> tuple[Num, Num]:
         """Return the first and the last possible place of the front end when the antenna reads a group, nm (3.4.4.4.3)."""

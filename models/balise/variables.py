@@ -29,10 +29,10 @@ from safeloc.models.balise.linking import (
     linking,
     national,
 )
-from safeloc.models.balise.telegram import Reader, telegram
-from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
+from safeloc.models.balise.telegram import Reader, check_telegram_age, telegram
+from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw, check_counts_distance, check_measures
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
+from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.odometer import Heading, odometer
 from safeloc.models.vocabulary.reasons import NO_REFERENCE, REASON
 
@@ -121,41 +121,20 @@ class BaliseConfig(Config):
                 f"tolerance_mm {self.tolerance_mm} is not above the odometer's one-off constant, the detection accuracy and "
                 f"one measuring step, {least} mm together: no group can locate within it; raise the tolerance."
             )
-        if self.odometer.rate_ppm > MOST_RATE_PPM:
-            raise ValueError(
-                f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance."
-            )
-        if 10 * self.telegram_age_limit_ms <= self.period_ms:
-            raise ValueError(
-                f"telegram_age_limit_ms {self.telegram_age_limit_ms} must be above a tenth of period_ms {self.period_ms}: "
-                "a telegram read within a cycle is up to that cycle old at its end."
-            )
-        if self.odometer.drift_mm_s2:
-            raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")
+        check_measures(self.odometer)
+        check_telegram_age(self.telegram_age_limit_ms, self.period_ms)
+        check_counts_distance(self.odometer)
         return self
 
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
-        gap = self.gap_limit_cycles
-        return Limits(
-            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False
-        )  # fmt: skip
+        return Limits.of(self, self.tolerance_mm, self.position_limit_mm)
 
     @property
     def reader(self) -> Reader:
         """The antenna, and the errors of a reading."""
-        return Reader(
-            self.antenna_mm,
-            self.detection_mm,
-            2 * self.odometer.wander_nm,
-            self.odometer.rate_ppm,
-            self.period_ms,
-            self.max_speed_mm_s,
-            self.measuring_step_mm,
-        )
+        return Reader.of(self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from safeloc.language.expr import (
     FALSE,
-    TRUE,
     Bool,
     Expr,
     Num,
@@ -33,16 +32,26 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.reading_world import (
+    Rolling,
+    accuracy_sent,
     age_law,
+    antenna_law,
     counted_wrong_nm,
     counter_law,
     read_rightly,
-    rolled_after,
     run_in_age_nm,
 )
 from safeloc.models.balise.telegram import LINKED, NOMINAL, REVERSE, UNKNOWN
 from safeloc.models.balise.variables import BaliseConfig, Parts
-from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.measuring_world import (
+    THOUSAND,
+    Measuring,
+    Physics,
+    further_error,
+    possible_at_speed,
+    wander_after,
+)
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can be made to keep, if it judges the distance."""
@@ -54,23 +63,23 @@ def world(own: Parts) -> World:
     seen = own.world
     moves: dict[Var, Expr] = {
         seen.truth: after(own),
-        seen.wander: wander_after(own),
+        seen.wander: _wander_after(own),
         seen.national_accuracy_sent: national(own),
         seen.doubted_group: _doubted(own),
-        **_rolling(own),
+        **_rolling(own).moves,
     }
     if not own.config.checked_distance:
         moves |= measuring(own).moves()
-    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own), KEPT)
+    return own.declared.world(moves, _laws(own), KEPT)
 
 
 def _laws(own: Parts) -> dict[str, Bool | Law]:
     return {
         ODOMETER: _odometer_law(own),
-        "the vehicle stays on the line": _line_law(own),
+        ON_THE_LINE: _line_law(own),
         "the antenna stood over the group that is read": _antenna_law(own),
         "the counter measures the run since the reading": counter_law(
-            own.read, own.world.true_since, wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
+            own.read, own.world.true_since, _wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
         ),
         "the age bounds the run since the reading": age_law(
             own.read,
@@ -96,10 +105,7 @@ def after(own: Parts) -> Num:
 
 def physics(config: BaliseConfig) -> Physics:
     """Return the limits of the vehicle's movement, and of its measurement."""
-    return Physics(
-        config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
-        config.gap_limit_cycles, config.gap_limit_cycles + 1,
-    )  # fmt: skip
+    return Physics.of(config)
 
 
 def measuring(own: Parts) -> Measuring:
@@ -115,26 +121,19 @@ def can_be_run(own: Parts) -> Bool:
     """
     if not own.config.checked_distance:
         return measuring(own).can_be_run
-    most = physics(own.config).farthest_mm
-    return own.odometer.measured.present & between(-most, own.odometer.measured.value, most)
+    return possible_at_speed(own.odometer.measured, physics(own.config).farthest_mm)
 
 
-def wander_after(own: Parts) -> Num:
-    """Return the one-off error after the cycle. With a checked distance it may change in every cycle: the reported error covers it."""
-    counts = TRUE if own.config.checked_distance else can_be_run(own)
-    return ite(counts, own.world.next_wander, own.world.wander)
-
-
-def _further_error(own: Parts) -> Num:
-    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
+def _wander_after(own: Parts) -> Num:
+    return wander_after(can_be_run(own), own.world.wander, own.world.next_wander, checked=own.config.checked_distance)
 
 
 def _odometer_law(own: Parts) -> Law:
     seen, counts, config = own.world, can_be_run(own), own.config
     counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_cycle_distance - counted - (wander_after(own) - seen.wander)
+    error = seen.true_cycle_distance - counted - (_wander_after(own) - seen.wander)
     blind = as_num(physics(config).farthest_nm * THOUSAND, NM)
-    most = ite(counts, _lawful_thousandths(own), blind) + _further_error(own) * THOUSAND
+    most = ite(counts, _lawful_thousandths(own), blind) + further_error(own.odometer.more) * THOUSAND
     return Law(
         (error * THOUSAND <= most) & (-error * THOUSAND <= most),
         "What the odometer measures in a cycle is wrong by no more than its rate and floor allow, by the change of a one-off "
@@ -158,7 +157,7 @@ def _lawful_thousandths(own: Parts) -> Num:
 def _line_law(own: Parts) -> Law:
     truth = own.world.truth
     return Law(
-        between(truth.low, after(own), truth.high),
+        on_line(truth, after(own)),
         "The coordinates of the map do not end before the vehicle does.",
         ("position_limit_mm", "tolerance_mm"),
         "[D] 1 000 km of line",
@@ -167,18 +166,10 @@ def _line_law(own: Parts) -> Law:
     )
 
 
-def _rolling(own: Parts) -> dict[Var, Expr]:
+def _rolling(own: Parts) -> Rolling:
     seen = own.world
     ran = ite(can_be_run(own), own.odometer.measured.value, as_num(0, MM))
-    rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
-    return {seen.rolled: rolled, seen.backwards: backwards}
-
-
-def _runs_back(own: Parts) -> Bool:
-    """The vehicle runs backwards at the end of the cycle."""
-    term = _rolling(own)[own.world.backwards]
-    assert isinstance(term, Bool)
-    return term
+    return Rolling(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
 
 
 # ------------------------------------------------------------------ the antenna
@@ -193,16 +184,7 @@ def _against(own: Parts, mapped: Num) -> Bool:
 def _antenna_law(own: Parts) -> Law:
     seen, config = own.world, own.config
     off = after(own) - seen.true_since - config.antenna_mm * NM_PER_MM - seen.read_place
-    most = config.detection_mm * NM_PER_MM
-    return Law(
-        read_rightly(own.read).implies(between(-most, off, most)),
-        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
-        "accuracy; the antenna is so far behind the front end as configured.",
-        ("antenna_mm", "detection_mm"),
-        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
-        "supplier",
-        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
-    )
+    return antenna_law(own.read, off, config.detection_mm)
 
 
 # ------------------------------------------------------------------ the map
@@ -210,8 +192,7 @@ def _antenna_law(own: Parts) -> Law:
 
 def national(own: Parts) -> Num:
     """Return the location accuracy in force if linking gives none, mm."""
-    received = own.national.national_accuracy
-    return ite(~received.present, own.world.national_accuracy_sent, received.value)
+    return accuracy_sent(own.national.national_accuracy, own.world.national_accuracy_sent)
 
 
 def _far_nm(own: Parts, accuracy: Num) -> Num:
@@ -221,7 +202,7 @@ def _far_nm(own: Parts, accuracy: Num) -> Num:
     cycle = physics(config).farthest_mm * NM_PER_MM + config.odometer.floor_mm_s * config.period_ms * THOUSAND
     timed = run_in_age_nm(own.read, own.config.max_speed_mm_s) + config.measuring_step_mm * NM_PER_MM
     since = ite(own.read.since.present, counted_wrong_nm(own.read, own.config.odometer.rate_ppm), timed)
-    return exact_to(accuracy + fixed, NM) + (since + _further_error(own) + cycle) * 2
+    return exact_to(accuracy + fixed, NM) + (since + further_error(own.odometer.more) + cycle) * 2
 
 
 def _off(own: Parts, place: Num) -> Num:
@@ -318,7 +299,7 @@ def _serves(own: Parts) -> Bool:
         ]
     )
     recent = read.age.value < config.telegram_age_limit_ms + 1
-    return all_of([_placed(own), several, numbered, recent, ~_runs_back(own), _fine_enough(own)])
+    return all_of([_placed(own), several, numbered, recent, ~_rolling(own).runs_back, _fine_enough(own)])
 
 
 def _fine_enough(own: Parts) -> Bool:

@@ -25,7 +25,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.units import COUNT, NM, NM_PER_MM, UM, UM_PER_MM, UM_S
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.axle_counter.passage import Parts as CounterParts
 from safeloc.models.counted_entry.configuration import CountedEntryConfig
 from safeloc.models.verification.variables import Parts as VerificationParts
@@ -80,16 +80,12 @@ def train(config: CountedEntryConfig, counter: CounterParts, verified: Verificat
     next_speed = declared.choice(number("next_front_speed_um_s", UM_S, -fastest, fastest))
     next_overhang = declared.choice(number("next_overhang_nm", NM, 0, counter.length.high))
     passed = config.counter_mm * NM_PER_MM + _foremost(counted) + next_overhang
-    made = Machine(
+    made = declared.machine(
         name=NAME,
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={},
         transitions=[Transition("runs", table[0], table[0], TRUE, {}, ("FVA-4",), 0)],
-        world=World(
-            ghosts=declared.ghosts,
-            choices=declared.choices,
+        world=declared.world(
             moves={
                 axles: ite(recorded, minimum(counted.axles, axles.high), axles),
                 length: ite(recorded, _length(counted, length), length),

@@ -27,7 +27,7 @@ from safeloc.language.expr import (
     minimum,
     number,
 )
-from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law, World
@@ -76,11 +76,9 @@ def head_cycle(samples: int, most: int, head_modes: Sequence[Lit]) -> HeadCycle:
     current = current_mode(table)
     sound = current.eq(table[1]) & ~own.flawed
     way = ite(own.axles_upwards > 0, UP, ite(own.axles_downwards > 0, DOWN, NO_AXLE))
-    made = Machine(
+    made = own.declared.machine(
         name="head_cycle",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "cycle_done": current.eq(table[1]),
             "cycle_fault": current.eq(table[1]) & own.flawed,
@@ -170,9 +168,7 @@ def _world(own: Parts) -> World:
         more = ite(over, as_num(0, COUNT), passed) + ite(own.passes.eq(way), as_num(1, COUNT), 0)
         return minimum(more, own.cycle_samples)
 
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.true_samples: ite(over, as_num(1, COUNT), own.true_samples + 1),
             own.true_axles_upwards: after(own.true_axles_upwards, UP),

@@ -27,7 +27,7 @@ from safeloc.language.expr import (
 from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM, NM_PER_MM
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.vocabulary.absent import margin_if, position_if, wired_interval
 from safeloc.models.vocabulary.reasons import LOCATED, NO_REFERENCE, REASON, TOLERANCE
 
@@ -94,11 +94,9 @@ def build(own: Parts) -> Machine:
     table = modes("DELOCALIZED", "LOCALIZED")
     current = current_mode(table)
     localized = current.eq(table[1])
-    return Machine(
+    return own.declared.machine(
         name="delocalized",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "restrictive": current.eq(table[0]),
             "position_mm": position_if(localized, own.passed_position),
@@ -107,9 +105,7 @@ def build(own: Parts) -> Machine:
             "reason": own.reason,
         },
         transitions=_table(own, table),
-        world=World(
-            ghosts=own.declared.ghosts,
-            choices=own.declared.choices,
+        world=own.declared.world(
             moves={own.truth: own.next_truth},
             clauses={
                 "a valid position holds the truth": Law(

@@ -63,11 +63,9 @@ def build(own: Parts) -> Emitter:
     table = modes("UNTESTED", "TESTED", "FAILED")
     current = current_mode(table)
     tested = current.eq(table[1])
-    made = Machine(
+    made = own.declared.machine(
         name="emitter",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "chain_tested": tested,
             "failed": current.eq(table[2]),

@@ -15,9 +15,7 @@ from safeloc.models.emitter.variables import Parts
 
 def world(own: Parts) -> World:
     """Return the world: the chain's health, and the times at which the emitter sends."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.works: own.next_works,
             own.silent: ite(_comes_through(own), own.silent.high, maximum(own.silent - 1, 0)),

@@ -37,7 +37,7 @@ from safeloc.language.expr import (
     exact_to,
     ite,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.fibre import variables as v
@@ -54,11 +54,9 @@ CHECKED = ("FWG-4", "FWG-5", "FWG-6", "FWG-7")
 
 
 @dataclass(frozen=True, eq=False)
-class Fibre:
+class Fibre(Model[Parts]):
     """The machine together with the terms from which it was built; properties refer to these terms."""
 
-    machine: Machine
-    own: Parts
     cycle: Cycle
 
 
@@ -72,11 +70,9 @@ def build(own: Parts, name: str = "fibre") -> Fibre:
     table = modes("WAITING", "COUNTING", "LOCATED", "FAULTED")
     current = current_mode(table)
     cycle = Cycle(own)
-    made = Machine(
+    made = own.declared.machine(
         name=name,
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, table)),
         world=world(own),

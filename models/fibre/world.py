@@ -35,6 +35,7 @@ from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.variables import Parts
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 _ASKED = "the section number with which the host asks the map: the count that the machine reports"
 
@@ -42,9 +43,7 @@ _ASKED = "the section number with which the host asks the map: the count that th
 def world(own: Parts) -> World:
     """Return the world: true position, sections really passed, and the last messages of detector and map."""
     seen, now = own.ghosts, Passing(own)
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             seen.truth: now.after,
             seen.edge: ite(now.edge, seen.next_true_edge, seen.edge),
@@ -229,11 +228,10 @@ class Passing:
 
 
 def _laws(own: Parts, now: Passing) -> dict[str, Bool | Law]:
-    on_line = between(own.ghosts.truth.low, now.after, own.ghosts.truth.high)
     return {
         "a measured run is true within its error": _run_law(own, now),
-        "the vehicle stays on the line": Law(
-            on_line, "The coordinates of the line do not end before the train does.", ("position_limit_mm",),
+        ON_THE_LINE: Law(
+            on_line(own.ghosts.truth, now.after), "The coordinates of the line do not end before the train does.", ("position_limit_mm",),
             "[D] 1 000 km of line", "infrastructure", "when the map is made",
         ),
         "a changed amplitude is met at an edge": _edge_law(own, now),

@@ -40,7 +40,7 @@ from safeloc.language.expr import (
 from safeloc.language.machine import Machine, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
 from safeloc.models.verification.variables import AXLE_COUNTER, FROM, NEIGHBOUR, NOBODY
 
@@ -147,11 +147,9 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
     next_truly = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
     current = current_mode(table)
     entry = EntryInputs(event, comes, axles_in, axles_out, inside, sure, in_part)
-    machine = Machine(
+    machine = declared.machine(
         name="entry",
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={
             "reference_due": due,
             "reference_from": source,
@@ -163,9 +161,7 @@ def entry(wait_cycles: int, axle_limit: int) -> Entry:
             "left_in_part": in_part,
         },
         transitions=list(_table(table, entry, waited, due, source, left)),
-        world=World(
-            ghosts=declared.ghosts,
-            choices=declared.choices,
+        world=declared.world(
             moves={truly: next_truly},
             clauses=_clauses(entry, truly, next_truly),
         ),

@@ -34,7 +34,7 @@ from safeloc.language.expr import (
     minimum,
     with_unit,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates
 from safeloc.language.units import MM, NM, NM_PER_MM, PPM_PER_ONE, UM, UM_PER_MM
 from safeloc.models.fibre_area.parting import PartingConfig, Parts, parts
@@ -111,12 +111,7 @@ class Believed:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Report:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+Report = Model[Parts]
 
 
 def build(own: Parts) -> Report:
@@ -124,11 +119,9 @@ def build(own: Parts) -> Report:
     table = modes("NEITHER", "WHOLE", "HIGH_END", "LOW_END")
     current = current_mode(table)
     neither, whole, _, low = table
-    machine = Machine(
+    machine = own.declared.machine(
         name="report",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "reported": own.trusted_now & current.ne(neither),
             "low_mm": own.reported_low,

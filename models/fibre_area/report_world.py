@@ -21,9 +21,7 @@ def world(own: Parts) -> World:
     """Return the world: the train with all its lost parts."""
     complete = own.next_complete
     low, high = minimum(own.lowest, own.next_body_rear), maximum(own.highest, own.next_body_front)
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.rear_is_the_trains: own.next_rear_is_the_trains,
             own.front_is_the_trains: own.next_front_is_the_trains,

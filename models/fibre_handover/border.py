@@ -11,7 +11,6 @@ Both areas see a shared stretch of line around their border. The train runs from
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
@@ -26,7 +25,7 @@ from safeloc.language.expr import (
     ite,
     number,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.variables import FROM, NEIGHBOUR, NOBODY
@@ -98,12 +97,7 @@ class Parts:
             yield Transition(name, mode, mode, TRUE, quiet, REQUIREMENTS, 4)
 
 
-@dataclass(frozen=True, eq=False)
-class Border:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+Border = Model[Parts]
 
 
 def parts(config: BorderConfig, far_mm: int) -> Parts:
@@ -115,11 +109,9 @@ def build(own: Parts) -> Border:
     """Return the machine over the given variables."""
     table = modes("BEFORE", "OFFERED", "TAKEN", "LOST")
     current = current_mode(table)
-    machine = Machine(
+    machine = own.declared.machine(
         name="border",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "reference_due": own.due,
             "reference_from": own.source,

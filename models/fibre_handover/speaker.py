@@ -68,11 +68,9 @@ def speaker(far_mm: int) -> Speaker:
     high = declared.state(number("given_high_mm", MM, -far_mm, far_mm), first=0)
     table = modes("NOBODY", "GIVING", "TAKING", "BOTH")
     current = current_mode(table)
-    machine = Machine(
+    machine = declared.machine(
         name="speaker",
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={"given": current.ne(table[0]), **_interval(current.ne(table[0]), low, high)},
         transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
         doc="Choice between two neighbouring areas for the report of a train's position.",

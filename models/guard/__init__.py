@@ -38,10 +38,9 @@ from safeloc.language.expr import (
     maximum,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, UM_S
-from safeloc.language.world import World
 from safeloc.models.guard import law
 from safeloc.models.guard.box import Box, Held, begun, of_fix, tolerable, usable
 from safeloc.models.guard.judgement import Judgement, judge
@@ -57,11 +56,9 @@ def machine(config: GuardConfig | None = None) -> Machine:
 
 
 @dataclass(frozen=True, eq=False)
-class Guard:
+class Guard(Model[Parts]):
     """The machine together with the terms it was built from, for properties to speak about."""
 
-    machine: Machine
-    own: Parts
     judgement: Judgement
 
     @property
@@ -75,11 +72,9 @@ def build(own: Parts) -> Guard:
     table = modes("WITHDRAWN", "RECOVERING", "PASSING", "PROBATION")
     current, judgement = current_mode(table), judge(own)
     holding, recovering = current.one_of(*table[2:]), current.eq(table[1])
-    made = Machine(
+    made = own.declared.machine(
         name="guard",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, holding),
         transitions=[
             _new_start(own, judgement, table),
@@ -88,9 +83,7 @@ def build(own: Parts) -> Guard:
                 for row in (*_held(own, judgement, table), *_free(own, judgement, table))
             ),
         ],
-        world=World(
-            ghosts=own.declared.ghosts,
-            choices=own.declared.choices,
+        world=own.declared.world(
             moves=law.moves(own, holding),
             clauses=law.clauses(own, holding),
             reads_machine="the host may count places from another origin while the output `holding` is false, and the way since "

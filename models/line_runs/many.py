@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.language.system import TransitionSystem
 from safeloc.models.balise.simulation import many as balise_runs
@@ -46,9 +45,14 @@ class OnLine:
 
     vehicle: LineVehicle
     routes: Sequence[Chosen]
-    made_with: Config
+    made_with: OdometryConfig | BaliseConfig
     system: TransitionSystem
     libraries: Path | None = None
+
+    @property
+    def period_ms(self) -> int:
+        """The length of a cycle."""
+        return self.made_with.period_ms
 
     @cached_property
     def _motions(self) -> dict[tuple[str, float, int], Motion]:
@@ -77,11 +81,6 @@ class OdometryOnLine(OnLine):
         """The configuration of the machine."""
         assert isinstance(self.made_with, OdometryConfig)
         return self.made_with
-
-    @property
-    def period_ms(self) -> int:
-        """The length of a cycle."""
-        return self.config.period_ms
 
     @property
     def figures(self) -> Mapping[str, DrawnFigure]:
@@ -124,11 +123,6 @@ class BaliseOnLine(OnLine):
         """The configuration of the machine."""
         assert isinstance(self.made_with, BaliseConfig)
         return self.made_with
-
-    @property
-    def period_ms(self) -> int:
-        """The length of a cycle."""
-        return self.config.period_ms
 
     @property
     def figures(self) -> Mapping[str, DrawnFigure]:

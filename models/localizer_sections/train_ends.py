@@ -28,18 +28,18 @@ from safeloc.language.expr import (
     between,
     boolean,
     ceil_to,
-    exact_to,
     floor_to,
     ite,
     maximum,
     minimum,
     number,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Model, Transition, current_mode, modes
 from safeloc.language.units import MM, NM, NM_PER_MM, UM
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.area.slot import Slot
 from safeloc.models.vocabulary.absent import margin_if, position_if
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 REQUIREMENTS = ("FVA-9", "FVA-18")
 SENT = "the front end's interval holds it"
@@ -96,12 +96,7 @@ class Parts:
         self.next_far_end = declared.choice(number("next_far_end_nm", NM, -reach, reach))
 
 
-@dataclass(frozen=True, eq=False)
-class TrainEnds:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+TrainEnds = Model[Parts]
 
 
 def parts(config: TrainConfig, world: FrontEnd, train: Slot) -> Parts:
@@ -114,14 +109,11 @@ def build(own: Parts) -> TrainEnds:
     table = modes("NOTHING", "FRONT_ONLY", "BOTH")
     current = current_mode(table)
     both, train = current.eq(table[2]), own.train
-    low, high = own.far_position - own.far_margin_below, own.far_position + own.far_margin_above
     rear, front = _along_the_line(own.world.truth, own.far_end)
     next_rear, next_front = _along_the_line(own.next_truth, own.next_far_end)
-    machine = Machine(
+    machine = own.declared.machine(
         name="ends",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "valid": both,
             "position_mm": position_if(both, own.far_position),
@@ -130,9 +122,7 @@ def build(own: Parts) -> TrainEnds:
             "faces_upwards": own.upwards,
         },
         transitions=list(_table(own, table)),
-        world=World(
-            ghosts=own.declared.ghosts,
-            choices=own.declared.choices,
+        world=own.declared.world(
             moves={
                 own.world.truth: own.next_truth,
                 own.far_end: own.next_far_end,
@@ -143,7 +133,9 @@ def build(own: Parts) -> TrainEnds:
         ),
         initially=_behind(own, own.world.truth, own.far_end) & train.true_rear.eq(rear) & train.true_front.eq(front),
         lemmas={
-            "the far end is inside": both.implies(between(exact_to(low, NM), own.far_end, exact_to(high, NM))),
+            "the far end is inside": both.implies(
+                stated_interval_holds(own.far_position, own.far_margin_below, own.far_margin_above, own.far_end)
+            ),
             "the far end is behind": _behind(own, own.world.truth, own.far_end),
             "the train lies between its ends": train.true_rear.eq(rear) & train.true_front.eq(front),
         },
@@ -222,5 +214,4 @@ def _clauses(own: Parts) -> dict[str, Law]:
 
 
 def _sent_truly(own: Parts) -> Bool:
-    low, high = own.position - own.below, own.position + own.above
-    return own.valid.implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
+    return own.valid.implies(stated_interval_holds(own.position, own.below, own.above, own.next_truth))

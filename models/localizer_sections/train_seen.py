@@ -33,10 +33,11 @@ from safeloc.language.expr import (
     minimum,
     number,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, MS, NM
 from safeloc.language.world import Law, World
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 REQUIREMENTS = ("FVA-9", "FVA-18")
 
@@ -69,7 +70,7 @@ class EndInputs:
 
     def holds(self) -> Bool:
         """Return whether the interval that the link reports, if it is valid, contains the true place."""
-        return self.valid.implies(between(exact_to(self.low, NM), self.next_truth, exact_to(self.high, NM)))
+        return self.valid.implies(stated_interval_holds(self.position, self.below, self.above, self.next_truth))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +103,7 @@ class Parts:
         return self.front.valid & (~self.known | self.age.ne(self.known_age + self.period_ms))
 
 
-@dataclass(frozen=True, eq=False)
-class TrainSeen:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+TrainSeen = Model[Parts]
 
 
 def end_inputs(name: str, limit_mm: int, margin_mm: int, truth: NumVar) -> EndInputs:

@@ -11,10 +11,11 @@ from safeloc.language.declared import Declared
 from safeloc.language.expr import TRUE, NumVar, between, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.units import NM, NM_PER_MM
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.guard.variables import reach_nm
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.odometry.ghosts import Movement
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, line_law
 
 NAME = "vehicle"
 DATA = "the antenna is where the data say"
@@ -40,16 +41,12 @@ def antenna(config: MarkerDeviceConfig) -> Antenna:
     farthest = 2 * reach_nm(config.guard)  # as far as the guard's world lets a vehicle go
     place = declared.ghost(number("antenna_nm", NM, -farthest, farthest), first=ANY)
     laws = _laws(config, moved, place)
-    made = Machine(
+    made = declared.machine(
         name=NAME,
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={},
         transitions=[Transition("moves", table[0], table[0], TRUE, {}, ("MRK-D6",), 0)],
-        world=World(
-            ghosts=declared.ghosts,
-            choices=declared.choices,
+        world=declared.world(
             moves={truth: truth + true_cycle_distance, place: place + true_cycle_distance},
             clauses=laws,
         ),
@@ -76,12 +73,5 @@ def _laws(config: MarkerDeviceConfig, moved: Movement, place: NumVar) -> dict[st
             "operator",
             "vehicle data entry; positions of the receiver against fixed markers at both readers",
         ),
-        "the vehicle stays on the line": Law(
-            between(moved.truth.low, moved.truth + moved.true_cycle_distance, moved.truth.high),
-            "The vehicle does not leave the coordinates of the line.",
-            ("position_limit_mm",),
-            "[D] 1 000 km of line",
-            "operator",
-            "route setting",
-        ),
+        ON_THE_LINE: line_law(moved.truth, moved.truth + moved.true_cycle_distance),
     }

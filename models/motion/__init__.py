@@ -16,21 +16,20 @@ other unit does.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Optional, Var, number
-from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.machine import Model, Transition, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM
 from safeloc.models.motion.reported_error import lemmas, with_reported_error
 from safeloc.models.motion.unit_check import UnitCheck, reported_law, unit_check
 from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import ADMITTED, Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
+from safeloc.models.vocabulary.measured import ADMITTED, Limits
 from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import odometer
 
@@ -83,10 +82,7 @@ class MotionConfig(Config):
     @property
     def physics(self) -> Physics:
         """The world's figures of the vehicle's movement and its measurement."""
-        return Physics(
-            self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm,
-            self.gap_limit_cycles, self.gap_limit_cycles + 1,
-        )  # fmt: skip
+        return Physics.of(self)
 
     @property
     def creep(self) -> int | None:
@@ -96,12 +92,7 @@ class MotionConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
-        gap, tolerance = self.gap_limit_cycles, 1
-        return Limits(
-            self.period_ms, tolerance, self.max_speed_mm_s, step, change, gap, gap, 0, self.position_limit_mm, False
-        )  # fmt: skip
+        return Limits.of(self, 1, self.position_limit_mm)
 
 
 class Parts:
@@ -146,12 +137,8 @@ class Parts:
         return [self.odometer.measured] if self.check is None else [self.odometer.measured, self.check.unit.measured]
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+class Motion(Model[Parts]):
     """The machine together with the terms it was built from."""
-
-    machine: Machine
-    own: Parts
 
     @property
     def reported(self) -> Bool:
@@ -178,11 +165,9 @@ def build(own: Parts) -> Motion:
     """Build the machine over the given variables."""
     table = modes("SILENT", "MEASURING")
     around = world(own.declared, own.around)
-    made = Machine(
+    made = own.declared.machine(
         name="motion",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own),
         transitions=list(_rows(own, table)),
         world=around if own.check is None else with_reported_error(around, own.around, own.check),

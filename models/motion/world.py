@@ -25,7 +25,6 @@ from safeloc.language.expr import (
     between,
     choice,
     enumeration,
-    exact_to,
     ite,
     members,
     number,
@@ -36,6 +35,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 from safeloc.models.vocabulary.odometer import Odometer
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, SPEED, line_law, speed_law
 
 LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
 ODOMETER_LAWFUL, CHECK_LAWFUL = LAWFUL
@@ -161,7 +161,7 @@ def world(declared: Declared, own: Surroundings) -> World:
         for unit in own.units:
             moves |= unit.moves()
         laws |= _unit_laws(own, seen.units)
-    return World(declared.ghosts, declared.choices, moves, laws)
+    return declared.world(moves, laws)
 
 
 def initially(own: Surroundings) -> Bool:
@@ -186,24 +186,9 @@ def _half(own: Surroundings, lawful: object) -> int:
 
 def _vehicle_laws(own: Surroundings) -> dict[str, Law]:
     seen, farthest = own.ghosts, own.physics.farthest_nm
-    line = between(seen.truth.low, seen.truth + seen.true_cycle_distance, seen.truth.high)
     return {
-        "the vehicle never exceeds its highest speed": Law(
-            between(-farthest, seen.true_cycle_distance, farthest),
-            "The vehicle runs no faster than its highest speed, either way.",
-            ("max_speed_mm_s", "period_ms"),
-            "[D] 160 km/h",
-            "operator",
-            "speed supervision",
-        ),
-        "the vehicle stays on the line": Law(
-            line,
-            "The vehicle does not leave the coordinates of the line.",
-            ("position_limit_mm",),
-            "[D] 1 000 km of line",
-            "operator",
-            "route setting",
-        ),
+        SPEED: speed_law(seen.true_cycle_distance, farthest),
+        ON_THE_LINE: line_law(seen.truth, seen.truth + seen.true_cycle_distance),
     }
 
 
@@ -218,7 +203,7 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str, field: str) -> Law:
-    error = own.ghosts.true_cycle_distance - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = unit.error(own.ghosts.true_cycle_distance, seen.wander, seen.next_wander)
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
     return Law(

@@ -20,7 +20,6 @@ An edge has a direction here: that in which the localizer's coordinate grows. Bo
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.language.expr import (
     TRUE,
@@ -36,7 +35,7 @@ from safeloc.language.expr import (
     maximum,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.occupied_track.cycle import Cycle, on_one_edge
@@ -58,12 +57,7 @@ from safeloc.models.vocabulary.absent import margin_if, position_if
 REQUIREMENTS = ("RFL-D6",)
 
 
-@dataclass(frozen=True, eq=False)
-class OccupiedTrack:
-    """The machine with the variables that its properties read."""
-
-    machine: Machine
-    own: Parts
+OccupiedTrack = Model[Parts]
 
 
 def machine(config: OccupiedTrackConfig | None = None) -> Machine:
@@ -76,11 +70,9 @@ def build(own: Parts) -> OccupiedTrack:
     table = modes("IDLE", "ONE", "SEVERAL", "LOST")
     current, cycle = current_mode(table), Cycle(own)
     kept = cycle.kept
-    made = Machine(
+    made = own.declared.machine(
         name="occupied_track",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, kept, table)),
         world=world(own),

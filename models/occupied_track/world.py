@@ -13,19 +13,16 @@ from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.occupied_track.variables import FIRST, NO_EDGE, NOT_KNOWN, SECOND, Joint, Offer, Parts
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
+from safeloc.models.turn_off.seen_course import TAKEN, seen_course_law
 
 POSITION = "a position that is given holds the front end"
 """The clause that a localizer can guarantee."""
-_TURN = "a turn that is seen is taken"
-"""The clause that the turn-off machine can guarantee."""
 
 
 def world(own: Parts) -> World:
     """Return the world."""
     seen = own.ghosts
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             seen.truth: seen.next_truth,
             seen.edge: _edge(own),
@@ -41,7 +38,7 @@ def world(own: Parts) -> World:
             "the map has the length of the true edge": _length_law(own),
             "a start names the true track": _start_law(own),
             "a group is read on the true edge": _group_law(own),
-            _TURN: _turn_law(own),
+            TAKEN: seen_course_law(own.course_taken, seen.course),
             "the map has the course of the true track": _course_law(own),
             "a movement that is excluded does not happen": _movement_law(own),
         },
@@ -185,16 +182,6 @@ def _group_law(own: Parts) -> Law:
         "and a cycle's run",
         owner="infrastructure",
         check="audit of the map: groups near joints; identities of groups are unique",
-    )
-
-
-def _turn_law(own: Parts) -> Law:
-    return Law(
-        own.course_taken.one_of(NO_COURSE, own.ghosts.course),
-        "A turn that the turn-off machine sees is the course that the vehicle takes at the switch.",
-        source="[D] the machine `turn_off`, and its assumptions",
-        owner="supplier",
-        check="as for the machine `turn_off`",
     )
 
 

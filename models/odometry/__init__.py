@@ -33,7 +33,7 @@ from safeloc.language.expr import (
     members,
     minimum,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.cycle import Judgement, Reading, Remembered, Situation, judge
@@ -60,11 +60,9 @@ def machine(config: OdometryConfig | None = None) -> Machine:
 
 
 @dataclass(frozen=True, eq=False)
-class Odometry:
+class Odometry(Model[Parts]):
     """The machine together with the terms it was built from, for properties to speak about."""
 
-    machine: Machine
-    own: Parts
     judgement: Judgement
 
     @property
@@ -79,11 +77,9 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
     current = current_mode(mode)
     situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
     judgement = judge(own, situation)
-    made = Machine(
+    made = own.declared.machine(
         name=name,
         modes=mode,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, mode),
         transitions=[*_located(own, judgement, mode), *_unlocated(own, judgement, mode)],
         world=with_hidden(world(own), judgement),

@@ -40,6 +40,7 @@ from safeloc.models.odometry.distance_device import Unit
 from safeloc.models.odometry.marker_reading import Reader
 from safeloc.models.odometry.variables import OdometryConfig, Parts
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, SPEED, line_law, speed_law
 
 ENDS = ("front", "rear")
 SATELLITES = "the position of satellites holds end A"
@@ -52,12 +53,12 @@ def world(own: Parts) -> World:
     moves: dict[Var, Expr] = {seen.truth: _after(own), seen.since_stray: _since_stray(own)}
     for index, of_unit in enumerate(seen.units):
         unit = measuring(own, index)
-        moves |= {of_unit.wander: ite(unit.can_be_run, of_unit.next_wander, of_unit.wander), **unit.moves()}
+        moves |= {of_unit.wander: unit.wander_after(of_unit.wander, of_unit.next_wander), **unit.moves()}
         if of_unit.unset is not None:
             moves[of_unit.unset] = _unset(own, index, of_unit.unset)
     if seen.faulty_unit is not None:
         moves[seen.faulty_unit] = seen.faulty_unit
-    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
+    return own.declared.world(moves, _laws(own))
 
 
 def on_board(machine: Machine) -> Machine:
@@ -87,10 +88,7 @@ def _after(own: Parts) -> Num:
 def measuring(own: Parts, index: int) -> Measuring:
     """Return the unit as the world sees it: its law and its ghosts."""
     unit, seen, config = own.units[index], own.ghosts.units[index], own.config
-    physics = Physics(
-        config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
-        config.gap_limit_cycles, config.lone_limit_cycles + 1,
-    )  # fmt: skip
+    physics = Physics.of(config, config.lone_limit_cycles + 1)
     return Measuring(unit.law, unit.measured, seen.last_delivered, seen.silent, physics)
 
 
@@ -111,7 +109,7 @@ _OF_A_UNIT = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "drift_mm_s2
 
 def _unit_law(own: Parts, index: int) -> Law:
     unit, seen, delivers = own.units[index], own.ghosts.units[index], measuring(own, index)
-    error = own.ghosts.true_cycle_distance - exact_to(unit.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = delivers.error(own.ghosts.true_cycle_distance, seen.wander, seen.next_wander)
     kept = delivers.allows(error, None if seen.unset is None else seen.unset + own.config.period_ms)
     return Law(
         (delivers.can_be_run & lawful(own, unit)).implies(kept),
@@ -293,18 +291,10 @@ def _satellite_law(own: Parts) -> dict[str, Law]:
 def _vehicle_laws(own: Parts) -> dict[str, Law]:
     seen, config = own.ghosts, own.config
     farthest = config.max_speed_mm_s * config.period_ms * THOUSAND
-    line = between(seen.truth.low, _after(own), seen.truth.high)
     length = exact_to(as_num(config.vehicle_length_mm, MM) if own.length is None else own.length, NM)
     slack = config.vehicle_length_tolerance_mm * NM_PER_MM
     return {
-        "the vehicle never exceeds its highest speed": Law(
-            between(-farthest, seen.true_cycle_distance, farthest),
-            "The vehicle runs no faster than its highest speed, either way.",
-            ("max_speed_mm_s", "period_ms"),
-            "[D] 160 km/h",
-            "operator",
-            "speed supervision",
-        ),
+        SPEED: speed_law(seen.true_cycle_distance, farthest),
         "the readers are as far apart as configured": Law(
             between(length - slack, seen.length, length + slack),
             "The readers are as far apart as the vehicle's data say, within their tolerance.",
@@ -313,12 +303,5 @@ def _vehicle_laws(own: Parts) -> dict[str, Law]:
             "operator",
             "train data entry; the run between both readings of one marker",
         ),
-        "the vehicle stays on the line": Law(
-            line,
-            "The vehicle does not leave the coordinates of the line.",
-            ("position_limit_mm",),
-            "[D] 1 000 km of line",
-            "operator",
-            "route setting",
-        ),
+        ON_THE_LINE: line_law(seen.truth, _after(own)),
     }

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, as_num, between, ceil_to, exact_to, ite
-from safeloc.language.machine import Machine, current_mode, modes
+from safeloc.language.machine import Machine, Model, current_mode, modes
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector.cycle import Judgement, Zones, judge
 from safeloc.models.reflector.table import rows
@@ -46,17 +46,10 @@ def machine(config: ReflectorConfig | None = None) -> Machine:
 
 
 @dataclass(frozen=True, eq=False)
-class ReflectorMachine:
+class ReflectorMachine(Model[Parts]):
     """The machine with the variables and terms that its properties read."""
 
-    machine: Machine
-    own: Parts
     judgement: Judgement
-
-    def in_mode(self, *labels: str) -> Bool:
-        """Return whether the machine is in one of the named modes."""
-        mode = self.machine.mode
-        return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
 
 
 def build(own: Parts) -> ReflectorMachine:
@@ -64,11 +57,9 @@ def build(own: Parts) -> ReflectorMachine:
     mode = modes(*MODES)
     current = current_mode(mode)
     judgement = judge(own, _zones(current, mode))
-    made = Machine(
+    made = own.declared.machine(
         name="reflector",
         modes=mode,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, mode),
         transitions=list(rows(own, judgement, mode)),
         world=world(own, current.eq(mode[0])),

@@ -16,7 +16,7 @@ from safeloc.models.reflector.ghosts import Moving, ghosts
 from safeloc.models.reflector.map_data import next_reflector, target
 from safeloc.models.reflector.odometer import ReflectorOdometer
 from safeloc.models.reflector.ranging import RADAR, Ranging
-from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
+from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw, check_measures
 from safeloc.models.vocabulary.interval import StoredInterval
 from safeloc.models.vocabulary.measured import max_cycle_distance_mm
 from safeloc.models.vocabulary.odometer import most_further_error_nm
@@ -105,10 +105,7 @@ class ReflectorConfig(Config):
                 "odometer.drift_mm_s2 must be 0: a unit that integrates acceleration drifts with the time since a "
                 "reference; use it as one unit of the odometry machine, beside one that measures distance."
             )
-        if self.odometer.rate_ppm > MOST_RATE_PPM:
-            raise ValueError(
-                f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance."
-            )
+        check_measures(self.odometer)
         return self
 
     @model_validator(mode="after")

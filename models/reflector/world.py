@@ -38,7 +38,9 @@ from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.ghosts import Entry
 from safeloc.models.reflector.variables import Parts, ReflectorConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.measuring_world import further_error, possible_at_speed, wander_after
 from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 ODOMETER = "the odometer obeys its error law"
 """The clause that an earlier machine can guarantee if it checks the distance."""
@@ -52,9 +54,7 @@ FAR_STEPS = 16
 def world(own: Parts, lost: Bool) -> World:
     """Return the world. `lost`: the machine knows no position."""
     seen = own.ghosts
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             seen.truth: _after(own),
             seen.wander: _wander_after(own),
@@ -84,11 +84,10 @@ def _taken(condition: Bool, entry: Entry, other: Entry) -> dict[Var, Expr]:
 
 
 def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
-    on_line = between(own.ghosts.truth.low, _after(own), own.ghosts.truth.high)
     return {
         ODOMETER: _odometer_law(own),
-        "the vehicle stays on the line": Law(
-            on_line, "The coordinates of the map do not end before the vehicle does.", ("position_limit_mm",), "[D]",
+        ON_THE_LINE: Law(
+            on_line(own.ghosts.truth, _after(own)), "The coordinates of the map do not end before the vehicle does.", ("position_limit_mm",), "[D]",
             "infrastructure", "when the map is made",
         ),
         READING: _balise_law(own, lost),
@@ -117,18 +116,12 @@ def farthest_mm(config: ReflectorConfig) -> int:
 
 def can_be_run(own: Parts) -> Bool:
     """Return whether the odometer delivered a distance that a vehicle can have run."""
-    most = farthest_mm(own.config)
-    return own.odometer.measured.present & between(-most, own.odometer.measured.value, most)
+    return possible_at_speed(own.odometer.measured, farthest_mm(own.config))
 
 
 def _wander_after(own: Parts) -> Num:
-    """Return the next wander. That of a checked distance may move in every cycle, since the reported error includes it."""
-    counts = TRUE if own.config.checked_distance else can_be_run(own)
-    return ite(counts, own.ghosts.next_wander, own.ghosts.wander)
-
-
-def _further_error(own: Parts) -> Num:
-    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
+    seen = own.ghosts
+    return wander_after(can_be_run(own), seen.wander, seen.next_wander, checked=own.config.checked_distance)
 
 
 def _run_blind_nm(config: ReflectorConfig) -> int:
@@ -141,7 +134,7 @@ def _odometer_law(own: Parts) -> Law:
     counted = ite(can_be_run(own), exact_to(own.odometer.measured.value, NM), as_num(0, NM))
     error = seen.true_cycle_distance - (_wander_after(own) - seen.wander) - counted
     lawful = _allowed(config.odometer, own.odometer.measured.value, config.period_ms)
-    most = _further_error(own) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
+    most = further_error(own.odometer.more) + ite(can_be_run(own), lawful, as_num(_run_blind_nm(config), NM))
     return Law(
         (error <= most) & (-error <= most),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
@@ -168,7 +161,7 @@ def _ran_late(own: Parts, latency_ms: int) -> tuple[Num, Num]:
     blind = as_num(-(-_run_blind_nm(config) * share // PPM_PER_ONE), NM)
 
     def most(measured: Num) -> Num:
-        ran = with_unit(maximum(measured * share, 0), NM) + _further_error(own)
+        ran = with_unit(maximum(measured * share, 0), NM) + further_error(own.odometer.more)
         return ite(can_be_run(own), ran, blind)
 
     return most(step), most(-step)

@@ -86,11 +86,9 @@ def line(config: ReflectorDeviceConfig) -> Line:
         declared.sensor(number("kept_group", COUNT, 0, of_groups.last_group_identity)),
         declared.sensor(number("kept_group_position_mm", MM, -limit, limit)),
     )
-    made = Machine(
+    made = declared.machine(
         name=NAME,
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={},
         transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-9",), 0)],
         world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),

@@ -17,7 +17,6 @@ Positions are distances of end A from the common start, in mm along each route.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.language.expr import (
     FALSE,
@@ -35,7 +34,7 @@ from safeloc.language.expr import (
     floor_to,
     ite,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM
 from safeloc.models.route.cycle import Bounded, Cycle, count
@@ -55,12 +54,7 @@ from safeloc.models.vocabulary.absent import margin_if, position_if
 REQUIREMENTS = ("RFL-D6",)
 
 
-@dataclass(frozen=True, eq=False)
-class Route:
-    """The machine with the variables that its properties read."""
-
-    machine: Machine
-    own: Parts
+Route = Model[Parts]
 
 
 def machine(config: RouteConfig | None = None) -> Machine:
@@ -73,11 +67,9 @@ def build(own: Parts) -> Route:
     table = modes("IDLE", "UNDECIDED", "DECIDED", "LOST")
     current = current_mode(table)
     cycles = tuple(Cycle(own, route) for route in own.routes)
-    made = Machine(
+    made = own.declared.machine(
         name="route",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, tuple(cycle.after for cycle in cycles), table)),
         world=world(own),

@@ -22,8 +22,8 @@ from safeloc.language.expr import (
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.route.ghosts import Bounds, ghosts
 from safeloc.models.turn_off import COURSE
-from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw
-from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
+from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw, check_counts_distance
+from safeloc.models.vocabulary.measured import Limits
 from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.models.vocabulary.odometer import odometer
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL
@@ -49,8 +49,7 @@ class RouteConfig(Config):
 
     @model_validator(mode="after")
     def _can_locate(self) -> RouteConfig:
-        if self.odometer.drift_mm_s2:
-            raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")
+        check_counts_distance(self.odometer)
         if self.start_error_mm + self.odometer.constant_mm >= self.tolerance_mm:
             raise ValueError(
                 f"tolerance_mm {self.tolerance_mm} is not above the start's error and the odometer's one-off constant, "
@@ -61,20 +60,12 @@ class RouteConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that its checks are no tighter than physics."""
-        step = max_cycle_distance_mm(self.max_speed_mm_s, self.period_ms, self.measuring_step_mm)
-        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
-        gap = self.gap_limit_cycles
-        return Limits(
-            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, step, change, gap, gap, 0, self.length_limit_mm, False
-        )  # fmt: skip
+        return Limits.of(self, self.tolerance_mm, self.length_limit_mm)
 
     @property
     def physics(self) -> Physics:
         """Limits of the vehicle's movement, for the world."""
-        gap = self.gap_limit_cycles
-        return Physics(
-            self.period_ms, self.max_speed_mm_s, self.max_acceleration_mm_s2, self.measuring_step_mm, gap, gap + 1
-        )
+        return Physics.of(self)
 
 
 @dataclass(frozen=True, eq=False)

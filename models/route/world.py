@@ -16,8 +16,10 @@ from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.route.variables import Hypothesis, Parts
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
+from safeloc.models.turn_off.seen_course import TAKEN, seen_course_law
 from safeloc.models.vocabulary.measuring_world import Measuring
 from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, SPEED, on_line, speed_law
 
 
 def world(own: Parts) -> World:
@@ -26,21 +28,19 @@ def world(own: Parts) -> World:
     moved: dict[Var, Expr] = {
         seen.route: _route(own),
         seen.truth: _after(own),
-        seen.wander: ite(odometer.can_be_run, seen.next_wander, seen.wander),
+        seen.wander: odometer.wander_after(seen.wander, seen.next_wander),
     }
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves=moved | odometer.moves(),
         clauses={
             "the odometer obeys its error law": _odometer_law(own),
-            "the vehicle never exceeds its highest speed": _speed_law(own),
-            "the vehicle stays on the line": _line_law(own),
+            SPEED: speed_law(seen.true_cycle_distance, own.config.physics.farthest_nm),
+            ON_THE_LINE: _line_law(own),
             "the start names the true route and place": _start_law(own),
             "a reflector is sighted at its range": _range_law(own),
             "a recognised model is the sighted reflector's": _model_law(own),
             "the map has the sighted reflector on the true route": _map_law(own),
-            "a turn that is seen is taken": _turn_law(own),
+            TAKEN: seen_course_law(own.course_taken, seen.course),
             "the map has the course of the true route": _course_law(own),
         },
     )  # fmt: skip
@@ -67,7 +67,7 @@ def _route(own: Parts) -> Num:
 
 def _odometer_law(own: Parts) -> Law:
     seen, odometer = own.ghosts, measuring(own)
-    error = seen.true_cycle_distance - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = odometer.error(seen.true_cycle_distance, seen.wander, seen.next_wander)
     return Law(
         odometer.can_be_run.implies(odometer.allows(error)),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
@@ -80,22 +80,10 @@ def _odometer_law(own: Parts) -> Law:
     )
 
 
-def _speed_law(own: Parts) -> Law:
-    farthest = own.config.physics.farthest_nm
-    return Law(
-        between(-farthest, own.ghosts.true_cycle_distance, farthest),
-        "The vehicle runs no faster than its highest speed, either way.",
-        ("max_speed_mm_s", "period_ms"),
-        "[D] 160 km/h",
-        "operator",
-        "speed supervision",
-    )
-
-
 def _line_law(own: Parts) -> Law:
     truth = own.ghosts.truth
     return Law(
-        between(truth.low, truth + own.ghosts.true_cycle_distance, truth.high),
+        on_line(truth, truth + own.ghosts.true_cycle_distance),
         "The coordinates of the routes do not end before the vehicle does.",
         ("length_limit_mm",),
         "[D] 100 km from the common start",
@@ -171,16 +159,6 @@ def _names_it(own: Parts, route: Hypothesis) -> Bool:
     """Return whether the map names the sighted reflector for this route."""
     seen, nearest = own.ghosts, route.reflector
     return all_of([seen.model.eq(route.model), nearest.present, seen.sighted_place.eq(exact_to(nearest.value, NM))])
-
-
-def _turn_law(own: Parts) -> Law:
-    return Law(
-        own.course_taken.one_of(NO_COURSE, own.ghosts.course),
-        "A turn that the turn-off machine sees is the course that the vehicle takes at the switch.",
-        source="[D] the machine `turn_off`, and its assumptions",
-        owner="supplier",
-        check="as for the machine `turn_off`",
-    )
 
 
 def _course_law(own: Parts) -> Law:

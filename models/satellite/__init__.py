@@ -146,11 +146,9 @@ def build(own: Parts, trusted: Trusted = "satellites") -> Machine:
     table = modes("UNLOCATED", "LOCATED", "COASTING")
     current = current_mode(table)
     valid = current.one_of(*table[1:])
-    return Machine(
+    return own.declared.machine(
         name="position",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "valid": valid,
             "position_mm": position_if(valid, floor_to(own.position, MM)),

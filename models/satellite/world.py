@@ -26,9 +26,7 @@ SELECTED = "a usable satellite's error is within its bound"
 
 def world(own: Parts, trusted: Trusted) -> World:
     """Make the world: true place and speed of the vehicle, and laws of the signals or of odometry."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={own.truth: own.next_truth, own.true_speed: own.next_speed},
         clauses={**_movement(own), **_references(own), **(_signals(own) if trusted == "satellites" else _run(own))},
     )

@@ -15,10 +15,9 @@ EXCLUDED (the criterion is violated) or USABLE.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, abs_, all_of, any_of, as_num, ite, minimum
-from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.machine import Machine, Model, Transition, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.satellite_selection.variables import (
@@ -38,6 +37,7 @@ from safeloc.models.satellite_selection.variables import (
     parts,
 )
 from safeloc.models.satellite_selection.world import is_current, world
+from safeloc.models.vocabulary.how_many import how_many
 
 __all__ = [
     "ABSENT",
@@ -63,12 +63,8 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, eq=False)
-class Selection:
-    """The machine together with its variables."""
-
-    machine: Machine
-    own: Parts
+class Selection(Model[Parts]):
+    """The machine with its variables: a class of its own, by which the localizer tells its machines apart."""
 
 
 def machine(config: SelectionConfig | None = None) -> Machine:
@@ -81,17 +77,15 @@ def build(own: Parts) -> Selection:
     table = modes("NONE_USABLE", "SOME_USABLE")
     outputs: dict[str, Expr] = {"usable": own.usable_satellites, "almanac_current": own.current}
     outputs |= {f"channel_{one.number}_usable": one.standing.eq(USABLE) for one in own.channels}
-    made = Machine(
+    made = own.declared.machine(
         name="selection",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=outputs,
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas={
             "usable satellites are counted": own.usable_satellites.eq(
-                _count(one.standing.eq(USABLE) for one in own.channels)
+                how_many(one.standing.eq(USABLE) for one in own.channels)
             )
         },
         doc=(
@@ -174,7 +168,7 @@ def _is_twice(own: Parts, one: Channel) -> Bool:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, some = table
-    count = _count(standing(own, one).eq(USABLE) for one in own.channels)
+    count = how_many(standing(own, one).eq(USABLE) for one in own.channels)
     requirements = ("SAT-1", "SAT-3", "SAT-4", "SAT-6", "SAT-D1")
     every = together(
         {own.usable_satellites: count, own.current: is_current(own)}, *(_channel(own, one) for one in own.channels)
@@ -187,10 +181,3 @@ def _channel(own: Parts, one: Channel) -> Updates:
     """Standing, warm-up and identity of a channel's satellite."""
     identity = ite(one.satellite.present, one.satellite.value, as_num(0, COUNT))
     return {one.standing: standing(own, one), one.warm: warm(own, one), one.held: identity}
-
-
-def _count(terms: Iterator[Bool]) -> Num:
-    total = as_num(0, COUNT)
-    for term in terms:
-        total = total + ite(term, as_num(1, COUNT), 0)
-    return total

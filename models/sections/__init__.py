@@ -210,11 +210,9 @@ def section(config: SectionsConfig, name: str) -> Section:
         loose = loose & ~clear
     judgement = Judgement(config.mute_limit_cycles, config.integrity_limit_cycles, start, end, trains, loose, clear)
     table = modes("UNKNOWN", "FREE", "OCCUPIED", "AMBIGUOUS")
-    machine = Machine(
+    machine = declared.machine(
         name=name,
         modes=table,
-        inputs=declared.inputs,
-        state=declared.states,
         outputs={
             "from_mm": start,
             "to_mm": end,

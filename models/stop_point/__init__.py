@@ -19,10 +19,8 @@ The vehicle's front end lies in the interval that the reflector machine reports.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from safeloc.language.expr import Bool, Expr, Lit, Num, all_of, ite
-from safeloc.language.machine import Machine, current_mode, modes
+from safeloc.language.machine import Machine, Model, current_mode, modes
 from safeloc.language.units import MM_S
 from safeloc.models.stop_point.cycle import Judgement, judge
 from safeloc.models.stop_point.table import rows
@@ -48,28 +46,17 @@ def machine(config: StopPointConfig | None = None) -> Machine:
     return build(parts(config or StopPointConfig())).machine
 
 
-@dataclass(frozen=True, eq=False)
-class StopPoint:
+class StopPoint(Model[Parts]):
     """The machine with the variables that its properties read."""
-
-    machine: Machine
-    own: Parts
-
-    def in_mode(self, *labels: str) -> Bool:
-        """Return whether the machine is in one of the named modes."""
-        mode = self.machine.mode
-        return mode.one_of(*(Lit(MODES.index(label), mode.unit) for label in labels))
 
 
 def build(own: Parts) -> StopPoint:
     """Return the machine over the given variables."""
     table = modes(*MODES)
     current, judgement = current_mode(table), judge(own)
-    made = Machine(
+    made = own.declared.machine(
         name="stop_point",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(rows(own, judgement, table)),
         world=world(own),

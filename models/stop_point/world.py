@@ -17,9 +17,7 @@ REPORTED = "a valid interval holds the truth"
 
 def world(own: Parts) -> World:
     """Return the world: the front end, its speed, and its run-out after an order to brake."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={own.truth: own.next_truth, own.true_speed: own.next_true_speed, own.run_out: own.next_run_out},
         clauses={
             REPORTED: _reported(own),

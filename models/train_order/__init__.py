@@ -37,11 +37,9 @@ def build(own: Parts) -> TrainOrder:
     """Return the machine over the given variables."""
     table = modes("UNKNOWN", "ORDERED")
     current, cycle = current_mode(table), Cycle(own)
-    made = Machine(
+    made = own.declared.machine(
         name="train_order",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "ordered": current.eq(table[1]),
             "associated": any_of(one > 0 for one in own.belongs),

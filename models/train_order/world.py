@@ -23,9 +23,7 @@ def world(own: Parts) -> World:
     moves: dict[Var, Expr] = {}
     for train in own.trains:
         moves |= {train.inside: train.next_inside, train.place: train.next_place}
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves=moves,
         clauses={
             "trains keep their order": _order_law(own),

@@ -34,11 +34,12 @@ from safeloc.language.expr import (
     number,
     with_unit,
 )
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Model, Transition, current_mode, modes
 from safeloc.language.rows import together
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
-from safeloc.language.world import Law, World
+from safeloc.language.world import Law
 from safeloc.models.vocabulary.absent import margin_if, position_if
+from safeloc.models.vocabulary.vehicle_world import SPEED, speed_law, stated_interval_holds
 
 REQUIREMENTS = ("FVA-9", "FVA-18", "RFL-14")
 
@@ -167,12 +168,8 @@ def _reach_nm(config: TransmissionConfig) -> int:
     return (config.position_limit_mm + 2 * config.margin_limit_mm) * NM_PER_MM
 
 
-@dataclass(frozen=True, eq=False)
-class Transmission:
-    """The machine together with the terms it was built from, for properties to speak about."""
-
-    machine: Machine
-    own: Parts
+class Transmission(Model[Parts]):
+    """The machine with its variables: a class of its own, by which the localizer tells its machines apart."""
 
 
 def _slot(declared: Declared, name: str, config: TransmissionConfig) -> Slot:
@@ -193,11 +190,9 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
     current = current_mode(table)
     held = current.eq(table[1])
     added_error = own.held.report.added_error(own.config)
-    made = Machine(
+    made = own.declared.machine(
         name=name,
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "valid": held,
             "position_mm": position_if(held, own.held.position),
@@ -206,9 +201,7 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
             "age_ms": ite(held, with_unit(own.held.age * own.config.period_ms, MS), 0),
         },
         transitions=list(_table(own, table)),
-        world=World(
-            ghosts=own.declared.ghosts,
-            choices=own.declared.choices,
+        world=own.declared.world(
             moves={own.truth: own.next_truth},
             clauses={
                 "a position that is sent holds the truth": Law(
@@ -218,14 +211,7 @@ def build(own: Parts, name: str = "transmission") -> Transmission:
                     owner="supplier",
                     check="replayed recordings with a known true position",
                 ),
-                "the vehicle never exceeds its highest speed": Law(
-                    _moves(own),
-                    "The vehicle runs no faster than its highest speed, either way.",
-                    ("max_speed_mm_s", "period_ms"),
-                    "[D] 160 km/h",
-                    "operator",
-                    "speed supervision",
-                ),
+                SPEED: speed_law(own.next_truth - own.truth, own.config.max_speed_mm_s * own.config.period_ms * 1_000),
             },
         ),
         lemmas=_lemmas(own, held),
@@ -263,14 +249,7 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
 
 def _sent_truly(own: Parts) -> Bool:
     """Return whether a valid interval that is sent contains the true position of its cycle."""
-    low, high = own.position - own.below, own.position + own.above
-    return (own.sent & own.valid).implies(between(exact_to(low, NM), own.next_truth, exact_to(high, NM)))
-
-
-def _moves(own: Parts) -> Bool:
-    """The vehicle moves no faster than its highest speed."""
-    most = own.config.max_speed_mm_s * own.config.period_ms * 1_000
-    return between(-most, own.next_truth - own.truth, most)
+    return (own.sent & own.valid).implies(stated_interval_holds(own.position, own.below, own.above, own.next_truth))
 
 
 def _lemmas(own: Parts, held: Bool) -> dict[str, Bool]:

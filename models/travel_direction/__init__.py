@@ -12,10 +12,9 @@ sides do, by the order in which the vehicle meets them. `before` and `after` ref
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Lit, Num, ite
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.models.travel_direction.variables import (
     AGAINST,
@@ -44,12 +43,7 @@ __all__ = [
 REQUIREMENTS = ("RFL-D5",)
 
 
-@dataclass(frozen=True, eq=False)
-class TravelDirection:
-    """The machine with the variables that its properties read."""
-
-    machine: Machine
-    own: Parts
+TravelDirection = Model[Parts]
 
 
 def machine(_: DirectionConfig | None = None) -> Machine:
@@ -62,11 +56,9 @@ def build(own: Parts) -> TravelDirection:
     table = modes("UNKNOWN", "HALF", "ALONG", "AGAINST")
     current = current_mode(table)
     _, _, along, against = table
-    made = Machine(
+    made = own.declared.machine(
         name="travel_direction",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={
             "direction": ite(current.eq(along), ALONG, ite(current.eq(against), AGAINST, UNKNOWN)),
             "contradicts": ite(

@@ -14,9 +14,7 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 
 def world(own: Parts) -> World:
     """Return the world."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.runs_along: ite(own.backwards, own.next_runs_along, own.runs_along),
             own.last_read_model: ite(own.backwards, NO_MODEL, _read(own)),

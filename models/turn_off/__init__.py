@@ -14,10 +14,9 @@ the one that map and movement authority give.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Lit, Num, abs_, as_num, ite
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.models.turn_off.variables import COURSE, LEFT, RIGHT, STRAIGHT, UNDECIDED, Parts, TurnOffConfig, parts
@@ -39,12 +38,7 @@ __all__ = [
 REQUIREMENTS = ("RFL-12",)
 
 
-@dataclass(frozen=True, eq=False)
-class TurnOff:
-    """The machine with the variables that its properties read."""
-
-    machine: Machine
-    own: Parts
+TurnOff = Model[Parts]
 
 
 def machine(config: TurnOffConfig | None = None) -> Machine:
@@ -58,11 +52,9 @@ def build(own: Parts) -> TurnOff:
     current = current_mode(table)
     _, _, over, decided, _ = table
     contradicts = current.eq(decided) & own.asked_course.ne(UNDECIDED) & own.asked_course.ne(own.course)
-    made = Machine(
+    made = own.declared.machine(
         name="turn_off",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={"course": own.course, "contradicts": contradicts, "watching": current.eq(over)},
         transitions=list(_table(own, table)),
         world=world(own),

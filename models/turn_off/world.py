@@ -17,9 +17,7 @@ GIVEN = "the map gives a switch only while it lies ahead"
 def world(own: Parts) -> World:
     """Return the world; the course may change while the vehicle is before the switch."""
     chosen = _another(own) | (own.measured & (own.high < own.true_switch))
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={
             own.true_switch: _switch(own),
             own.true_course: _course(own, chosen),

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.language.expr import TRUE, Bool, Expr, Lit, Num, as_num, between, ceil_to, exact_to, ite, minimum
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM, NM
 from safeloc.models.balise.telegram import LINKED, UNKNOWN
@@ -40,12 +40,7 @@ def machine(config: UnlinkedGroupConfig | None = None) -> Machine:
     return build(parts(config or UnlinkedGroupConfig())).machine
 
 
-@dataclass(frozen=True, eq=False)
-class UnlinkedGroup:
-    """The machine with the variables that its properties read."""
-
-    machine: Machine
-    own: Parts
+UnlinkedGroup = Model[Parts]
 
 
 def build(own: Parts) -> UnlinkedGroup:
@@ -53,11 +48,9 @@ def build(own: Parts) -> UnlinkedGroup:
     table = modes("NONE", "HELD")
     held = current_mode(table).eq(table[1])
     cycle = Cycle(own)
-    made = Machine(
+    made = own.declared.machine(
         name="unlinked_group",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, held),
         transitions=list(_rows(own, cycle, table)),
         world=world(own),

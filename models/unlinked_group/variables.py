@@ -12,10 +12,10 @@ from safeloc.language.expr import NumVar, boolean, choice, enumeration, members,
 from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM, PPM_PER_ONE
 from safeloc.models.balise.linking import LARGEST_ACCURACY_MM, national
-from safeloc.models.balise.telegram import ORIENTATION, UNKNOWN, Reader, reading
-from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
+from safeloc.models.balise.telegram import ORIENTATION, UNKNOWN, Reader, check_telegram_age, reading
+from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw, check_counts_distance, check_measures
 from safeloc.models.vocabulary.interval import StoredInterval
-from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_change_mm, max_cycle_distance_mm
+from safeloc.models.vocabulary.measured import Limits, max_cycle_distance_mm
 from safeloc.models.vocabulary.odometer import Heading, odometer
 
 READ = members(
@@ -61,17 +61,9 @@ class UnlinkedGroupConfig(Config):
 
     @model_validator(mode="after")
     def _can_measure(self) -> UnlinkedGroupConfig:
-        if self.odometer.rate_ppm > MOST_RATE_PPM:
-            raise ValueError(
-                f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance."
-            )
-        if self.odometer.drift_mm_s2:
-            raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")
-        if 10 * self.telegram_age_limit_ms <= self.period_ms:
-            raise ValueError(
-                f"telegram_age_limit_ms {self.telegram_age_limit_ms} must be above a tenth of period_ms {self.period_ms}: "
-                "a telegram read within a cycle is up to that cycle old at its end."
-            )
+        check_measures(self.odometer)
+        check_counts_distance(self.odometer)
+        check_telegram_age(self.telegram_age_limit_ms, self.period_ms)
         if self.first_margin_mm > self.tolerance_mm:
             raise ValueError(
                 f"tolerance_mm {self.tolerance_mm} is below {self.first_margin_mm} mm, the widest margin right after a reading: "
@@ -99,24 +91,12 @@ class UnlinkedGroupConfig(Config):
     @property
     def limits(self) -> Limits:
         """Limits of the odometer, rounded so that the checks are no tighter than physics."""
-        change = max_cycle_distance_change_mm(self.max_acceleration_mm_s2, self.period_ms, self.measuring_step_mm)
-        gap = self.gap_limit_cycles
-        return Limits(
-            self.period_ms, self.tolerance_mm, self.max_speed_mm_s, self.max_cycle_distance_mm, change, gap, gap, 0, self.reach_mm, False
-        )  # fmt: skip
+        return Limits.of(self, self.tolerance_mm, self.reach_mm)
 
     @property
     def reader(self) -> Reader:
         """The antenna, and the errors of a reading."""
-        return Reader(
-            self.antenna_mm,
-            self.detection_mm,
-            2 * self.odometer.wander_nm,
-            self.odometer.rate_ppm,
-            self.period_ms,
-            self.max_speed_mm_s,
-            self.measuring_step_mm,
-        )
+        return Reader.of(self)
 
 
 @dataclass(frozen=True, eq=False)

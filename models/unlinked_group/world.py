@@ -11,33 +11,42 @@ read whole. The true distance counts from the last group that can serve as a ref
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Expr, Num, Var, all_of, as_num, between, exact_to, ite, maximum
-from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.language.units import MM, NM
 from safeloc.language.world import Law, World
-from safeloc.models.balise.reading_world import age_law, counter_law, read_rightly, rolled_after
+from safeloc.models.balise.reading_world import (
+    Rolling,
+    accuracy_sent,
+    age_law,
+    antenna_law,
+    counter_law,
+    read_rightly,
+)
 from safeloc.models.balise.telegram import UNLINKED
 from safeloc.models.unlinked_group.variables import LINE_MM, Parts
 from safeloc.models.vocabulary.measuring_world import Measuring, Physics
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, on_line
 
 
 def world(own: Parts) -> World:
     """Make the world: the true movement, the odometer's error, and the true distance beyond the last unlinked group."""
     seen = own.world
-    received = own.national.national_accuracy
     moves: dict[Var, Expr] = {
         seen.distance: _distance_after(own),
         seen.wander: _wander_after(own),
-        seen.national_accuracy_sent: ite(~received.present, seen.national_accuracy_sent, received.value),
-        **_rolling(own),
+        seen.national_accuracy_sent: accuracy_sent(own.national.national_accuracy, seen.national_accuracy_sent),
+        **_rolling(own).moves,
         **measuring(own).moves(),
     }
-    return World(own.declared.ghosts, own.declared.choices, moves, _laws(own))
+    return own.declared.world(moves, _laws(own))
 
 
 def _laws(own: Parts) -> dict[str, Bool | Law]:
     return {
         "the odometer obeys its error law": _odometer_law(own),
-        "the vehicle stays on the line": _line_law(own),
-        "the antenna stood over the group that is read": _antenna_law(own),
+        ON_THE_LINE: _line_law(own),
+        "the antenna stood over the group that is read": antenna_law(
+            own.read, own.world.read_beyond, own.config.detection_mm
+        ),
         "the counter measures the run since the reading": counter_law(
             own.read, own.world.true_since, _wander_after(own) - own.world.reading_wander, own.config.odometer.rate_ppm
         ),
@@ -64,22 +73,18 @@ def _distance_after(own: Parts) -> Num:
 
 def measuring(own: Parts) -> Measuring:
     """Return the world's view of the odometer."""
-    config = own.config
-    physics = Physics(
-        config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
-        config.gap_limit_cycles, config.gap_limit_cycles + 1,
-    )  # fmt: skip
+    physics = Physics.of(own.config)
     return Measuring(own.odometer.law, own.odometer.measured, own.world.last_delivered, own.world.silent, physics)
 
 
 def _wander_after(own: Parts) -> Num:
-    return ite(measuring(own).can_be_run, own.world.next_wander, own.world.wander)
+    return measuring(own).wander_after(own.world.wander, own.world.next_wander)
 
 
 def _odometer_law(own: Parts) -> Law:
     seen, unit = own.world, measuring(own)
     farthest = unit.physics.farthest_nm
-    error = seen.true_cycle_distance - exact_to(own.odometer.measured.value, NM) - (seen.next_wander - seen.wander)
+    error = unit.error(seen.true_cycle_distance, seen.wander, seen.next_wander)
     blind = between(-farthest, seen.true_cycle_distance, farthest)
     counts = unit.can_be_run
     return Law(
@@ -97,7 +102,7 @@ def _odometer_law(own: Parts) -> Law:
 def _line_law(own: Parts) -> Law:
     truth = own.world.distance
     return Law(
-        between(truth.low, _distance_after(own), truth.high),
+        on_line(truth, _distance_after(own)),
         f"No vehicle gets farther than {LINE_MM // 10**6} km from a group that it read.",
         source="[D] the length of the line",
         owner="infrastructure",
@@ -105,18 +110,10 @@ def _line_law(own: Parts) -> Law:
     )
 
 
-def _rolling(own: Parts) -> dict[Var, Expr]:
+def _rolling(own: Parts) -> Rolling:
     seen = own.world
     ran = ite(measuring(own).can_be_run, own.odometer.measured.value, as_num(0, MM))
-    rolled, backwards = rolled_after(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
-    return {seen.rolled: rolled, seen.backwards: backwards}
-
-
-def runs_back(own: Parts) -> Bool:
-    """Return whether the vehicle runs backwards at the end of the cycle."""
-    term = _rolling(own)[own.world.backwards]
-    assert isinstance(term, Bool)
-    return term
+    return Rolling(seen.rolled, seen.backwards, ran, own.config.reversal_mm)
 
 
 # ------------------------------------------------------------------ the antenna
@@ -130,18 +127,5 @@ def serves(own: Parts) -> Bool:
     ordered = read.first.value.ne(read.last.value)
     recent = read.age.value < own.config.telegram_age_limit_ms + 1
     return all_of(
-        [read_rightly(own.read), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~runs_back(own)]
-    )
-
-
-def _antenna_law(own: Parts) -> Law:
-    most = own.config.detection_mm * NM_PER_MM
-    return Law(
-        read_rightly(own.read).implies(between(-most, own.world.read_beyond, most)),
-        "When a telegram with right check bits is read, the antenna stands over balise 1 of its group within the detection "
-        "accuracy; the antenna is so far behind the front end as configured.",
-        ("antenna_mm", "detection_mm"),
-        "[M, sure] safety-related detection accuracy 1 m (SUBSET-036)",
-        "supplier",
-        "type test of reader and antenna; the antenna's place when the vehicle is commissioned",
+        [read_rightly(own.read), read.link.value.eq(UNLINKED), several, ordered, fits, recent, ~_rolling(own).runs_back]
     )

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, NumVar, as_num, ite, maximum, minimum
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM
 from safeloc.models.verification.doubted import Doubted, doubted
@@ -52,14 +52,12 @@ COURSE = ("FVA-6", "FVA-15", "FVA-7", "FVA-16", "FVA-8", "FVA-17")
 
 
 @dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(Model[Parts]):
     """The machine together with the terms from which it was built; properties refer to these terms.
 
     train  ghosts of the train if nothing is assumed of the fibre; None if its readings are true within their bounds
     """
 
-    machine: Machine
-    own: Parts
     judgement: Judgement
     train: Doubted | None = None
 
@@ -92,11 +90,9 @@ def _built(own: Parts, name: str, around: Callable[[Bool, Bool], Mapping[str, An
     current = current_mode(table)
     known = current.one_of(table[1], table[2])
     judgement = judge(own, known, current.eq(table[3]))
-    made = Machine(
+    made = own.declared.machine(
         name=name,
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, judgement, table)),
         definitions={

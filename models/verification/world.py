@@ -7,18 +7,17 @@ record, for train control, or for place and speed at the counter: the machine co
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, between, exact_to
-from safeloc.language.units import NM, UM
+from safeloc.language.units import UM
 from safeloc.language.world import Law, World
 from safeloc.models.verification.variables import Parts
+from safeloc.models.vocabulary.vehicle_world import stated_interval_holds
 
 PLACE = "a located interval holds the front"
 
 
 def world(own: Parts, *, place_kept: bool) -> World:
     """Return the world of the train that makes the pattern; `place_kept`: an earlier machine guarantees its interval."""
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
+    return own.declared.world(
         moves={own.axles: own.next_axles, own.length: own.next_length, own.truth: own.next_truth},
         clauses={**_features(own), **({} if place_kept else _place(own))},
     )
@@ -26,8 +25,8 @@ def world(own: Parts, *, place_kept: bool) -> World:
 
 def place_law(own: Parts) -> Bool:
     """Return the condition that a located interval contains the front."""
-    low, high = own.fibre_position.value - own.fibre_margin_below, own.fibre_position.value + own.fibre_margin_above
-    inside = between(exact_to(low, NM), own.next_truth, exact_to(high, NM))
+    place, below, above = own.fibre_position, own.fibre_margin_below, own.fibre_margin_above
+    inside = stated_interval_holds(place.value, below, above, own.next_truth)
     return (own.located & own.fibre_position.present).implies(inside)
 
 

@@ -54,6 +54,18 @@ class ErrorLaw(Config):
         return above * Lit(self.rate_ppm, PPM) + floor + drift
 
 
+def check_measures(odometer: ErrorLaw) -> None:
+    """Raise ValueError for a rate so great that a measurement hardly tells any distance."""
+    if odometer.rate_ppm > MOST_RATE_PPM:
+        raise ValueError(f"odometer.rate_ppm must not exceed {MOST_RATE_PPM}: such an odometer measures no distance.")
+
+
+def check_counts_distance(odometer: ErrorLaw) -> None:
+    """Raise ValueError for a unit whose error drifts with time."""
+    if odometer.drift_mm_s2:
+        raise ValueError("odometer.drift_mm_s2 must be 0: this machine takes a unit that counts distance.")
+
+
 WHEEL = ErrorLaw(kind="wheel")
 """[S] SUBSET-041: 5 m + 5 % of every measured distance."""
 

@@ -18,6 +18,7 @@ from safeloc.language.expr import (
     minimum,
 )
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.models.vocabulary.cycle_figures import DistanceConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.interval import Interval
 
@@ -39,6 +40,19 @@ class Limits:
     age_limit_ms: int
     position_limit_mm: int
     single_fault_safe: bool
+
+    @classmethod
+    def of(cls, config: DistanceConfig, tolerance_mm: int, limit_mm: int) -> Limits:
+        """Return the limits of one odometer, rounded so that its checks are no tighter than physics.
+
+        It has no partner, so a lone distance counts as long as any, and no distance has an age.
+        """
+        distance = max_cycle_distance_mm(config.max_speed_mm_s, config.period_ms, config.measuring_step_mm)
+        change = max_cycle_distance_change_mm(config.max_acceleration_mm_s2, config.period_ms, config.measuring_step_mm)
+        gap = config.gap_limit_cycles
+        return cls(
+            config.period_ms, tolerance_mm, config.max_speed_mm_s, distance, change, gap, gap, 0, limit_mm, False
+        )
 
     @property
     def tolerance_nm(self) -> int:

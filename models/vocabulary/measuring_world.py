@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.expr import (
+    TRUE,
     Bool,
     Expr,
     Lit,
@@ -18,6 +19,7 @@ from safeloc.language.expr import (
     all_of,
     as_num,
     between,
+    exact_to,
     ite,
     maximum,
     minimum,
@@ -25,6 +27,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Initial
 from safeloc.language.units import COUNT, MM, NM
+from safeloc.models.vocabulary.cycle_figures import DistanceConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 
 THOUSAND = 1_000
@@ -41,6 +44,15 @@ class Physics:
     gap_limit_cycles: int
     longest_cycles: int
 
+    @classmethod
+    def of(cls, config: DistanceConfig, longest_cycles: int | None = None) -> Physics:
+        """Return the limits that a configuration states; silence is counted up to one more than its gap, or to `longest_cycles`."""
+        longest = config.gap_limit_cycles + 1 if longest_cycles is None else longest_cycles
+        return cls(
+            config.period_ms, config.max_speed_mm_s, config.max_acceleration_mm_s2, config.measuring_step_mm,
+            config.gap_limit_cycles, longest,
+        )  # fmt: skip
+
     @property
     def farthest_mm(self) -> int:
         """The greatest distance that a unit measures in a cycle at the highest speed, in whole mm."""
@@ -55,6 +67,24 @@ class Physics:
     def farthest_nm(self) -> int:
         """The true distance of a cycle at the highest speed, nm."""
         return self.max_speed_mm_s * self.period_ms * THOUSAND
+
+
+def possible_at_speed(measured: Optional, farthest_mm: int) -> Bool:
+    """Return whether a distance was delivered that a vehicle can have run by its speed, either way."""
+    return measured.present & between(-farthest_mm, measured.value, farthest_mm)
+
+
+def further_error(more: Num | None) -> Num:
+    """Return the error that a checking unit reports beyond the law, nm; 0 without such a unit."""
+    return as_num(0, NM) if more is None else more
+
+
+def wander_after(counts: Bool, wander: Num, next_wander: Num, *, checked: bool) -> Num:
+    """Return the one-off error after the cycle: it moves with a distance that counts.
+
+    That of a checked distance may move in every cycle, since the reported error covers it.
+    """
+    return ite(TRUE if checked else counts, next_wander, wander)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +125,14 @@ class Measuring:
             self.last_delivered: ite(counts, self.measured.value, self.last_delivered),
             self.silent: ite(counts, as_num(0, COUNT), minimum(self.silent + 1, longest)),
         }
+
+    def wander_after(self, wander: Num, next_wander: Num) -> Num:
+        """Return the one-off part of the error after the cycle: it moves only with a distance that can be run."""
+        return wander_after(self.can_be_run, wander, next_wander, checked=False)
+
+    def error(self, ran: Num, wander: Num, next_wander: Num) -> Num:
+        """Return the error of the cycle's distance without its one-off part, nm; `ran`: the true run of the cycle, nm."""
+        return ran - exact_to(self.measured.value, NM) - (next_wander - wander)
 
     def allows(self, error: Num, drift_age: Num | None = None) -> Bool:
         """Return whether the law allows this error of the cycle's distance, nm; `drift_age`: ms since the reference, if it drifts.

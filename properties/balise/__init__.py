@@ -102,8 +102,7 @@ def _invalid(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "contradiction delocalizes",
         own.memory.verdict.eq(v.CONTRADICTED).implies(~valid),
-        statement="when a group and the interval cannot both be true, the machine stops reporting a position in the "
-        "same step",
+        statement="when a group and the interval cannot both be true, the machine stops reporting a position in the same step",
     )
 
 
@@ -172,8 +171,7 @@ def _facing(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "direction by orientation",
         (along & ~was_along).implies(step.counts & (own.read.total.value.ne(1) | earlier_num(own.memory.group).ne(0))),
-        statement="the machine reports the direction of travel only after a group of two or more balises, or after "
-        "a second group",
+        statement="the machine reports the direction of travel only after a group of two or more balises, or after a second group",
     )
     remembers = own.memory.group.ne(0)
     now = step.counts & (step.oriented | step.surely_ahead)
@@ -220,8 +218,7 @@ def _resets(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "min safe front end",
         (kept & ~accepted).implies(advance <= estimated),
-        statement="without an accepted group the min safe front end advances by no more than the distance estimated "
-        "(OCORA 7244)",
+        statement="without an accepted group the min safe front end advances by no more than the distance estimated (OCORA 7244)",
     )
     yield for_all_inputs(
         "margins never shrink",
@@ -239,8 +236,7 @@ def _reflector_ahead(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "only an accepted telegram gives a reflector",
         (as_received | new).implies(step.counts & own.reflector.place.eq(own.memory.last_group_position + reach)),
-        statement="the machine takes the distance to the next reflector only from an accepted telegram, and "
-        "measures it from that group's place",
+        statement="the machine takes the distance to the next reflector only from an accepted telegram, and measures it from that group's place",
         requirements=("RFL-9",),
     )
     for name, distance in (("reflector", own.read.reflector), ("search", own.read.search)):

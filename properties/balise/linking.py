@@ -20,6 +20,7 @@ def linking_properties(model: Balise) -> Iterator[Property]:
     yield from _kept(model)
     yield from _windows(model)
     yield from _reactions(model)
+    yield from _other_reactions(model)
 
 
 def _kept(model: Balise) -> Iterator[Property]:
@@ -68,8 +69,7 @@ def _windows(model: Balise) -> Iterator[Property]:
     yield for_all_inputs(
         "no window closes early",
         (kept & (own.memory.given_up_now > 0)).implies(seen | (held & passed)),
-        statement="the machine gives up an announced group only when it, or a later one, was read, or when its "
-        "window has closed",
+        statement="the machine gives up an announced group only when it, or a later one, was read, or when its window has closed",
     )
     yield for_all_inputs(
         "expected until found or given up",
@@ -112,6 +112,12 @@ def _reactions(model: Balise) -> Iterator[Property]:
         step.kept.implies(memory.missed_in_row.eq(_count(step))),
         statement="the machine counts the groups given up in a row until it accepts one",
     )
+
+
+def _other_reactions(model: Balise) -> Iterator[Property]:
+    """Claim the reaction to a wrong direction, and that there is none without a linking error."""
+    machine, memory, step = model.machine, model.own.memory, Step(model)
+    located = earlier_bool(machine.flag("valid"))
     wrong = memory.verdict.eq(v.WRONG_DIRECTION) & located & step.announced
     yield for_all_inputs(
         "wrong direction trips",

@@ -22,6 +22,7 @@ def properties(model: Fibre) -> Iterator[Property]:
     """Yield the properties of words and counts."""
     yield from _against_the_truth(model)
     yield from _lengths(model)
+    yield from _lengths_of_the_map(model)
     yield from _turned_back(model)
     yield from _words(model)
     yield from _read(model)
@@ -52,12 +53,11 @@ def _against_the_truth(model: Fibre) -> Iterator[Property]:
 def _lengths(model: Fibre) -> Iterator[Property]:
     """Claim that the length that the machine reads is that of the section."""
     machine, own = model.machine, model.own
-    _, counting, located, _ = machine.modes
+    counting = machine.modes[1]
     mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
     long = abs_(ran) >= own.config.long_mm * NM_PER_MM
     real = was(own.ghosts.real) & ~own.reference_accepted
     counts = before(mode).eq(counting) & mode.eq(counting) & (own.read > 0)
-    stays = before(mode).eq(located) & mode.eq(located)
     read_long = own.word_read.eq(floor_div(own.word_read, 2) * 2 + 1)
     passed = own.event.eq(v.PASSED) & real
     yield under_assumption(
@@ -66,6 +66,17 @@ def _lengths(model: Fibre) -> Iterator[Property]:
         statement="a section read as long is long, and one read as short is short, at every speed at which the end can leave it",
         requirements=CODE,
     )
+
+
+def _lengths_of_the_map(model: Fibre) -> Iterator[Property]:
+    """Claim that a section that was passed is as long as the map has it."""
+    machine, own = model.machine, model.own
+    located = machine.modes[2]
+    mode, ran = machine.mode, own.ghosts.edge - before(own.ghosts.edge)
+    long = abs_(ran) >= own.config.long_mm * NM_PER_MM
+    real = was(own.ghosts.real) & ~own.reference_accepted
+    stays = before(mode).eq(located) & mode.eq(located)
+    passed = own.event.eq(v.PASSED) & real
     yield under_assumption(
         "a section passed has the length of the map",
         (stays & passed).implies(was(own.long_by_map).iff(long)),

@@ -22,8 +22,10 @@ def properties(model: Fibre) -> Iterator[Property]:
     yield from _direction(model)
     yield from _signals(model)
     yield from _known(model)
+    yield from _known_and_reported(model)
     yield from _counted(model)
     yield from _uncounted(model)
+    yield from _nothing_else_counts(model)
 
 
 def _signals(model: Fibre) -> Iterator[Property]:
@@ -48,14 +50,19 @@ def _signals(model: Fibre) -> Iterator[Property]:
 def _known(model: Fibre) -> Iterator[Property]:
     """Claim the states with a known count."""
     machine, own = model.machine, model.own
-    waiting, _, located, _ = machine.modes
-    mode = machine.mode
     yield for_all_inputs(
         "count begins with the first signal",
         (machine.flag("count_known") & ~was(own.counted)).implies(own.event.eq(v.POSITION_SIGNAL)),
         statement="before the first signal the count is undefined, not zero",
         requirements=COUNTS,
     )
+
+
+def _known_and_reported(model: Fibre) -> Iterator[Property]:
+    """Claim that a count is reported exactly while it is known."""
+    machine, own = model.machine, model.own
+    waiting, _, located, _ = machine.modes
+    mode = machine.mode
     yield for_all_inputs(
         "waiting has no count",
         mode.eq(waiting).implies(~machine.flag("count_known") & ~machine.flag("valid")),
@@ -98,8 +105,6 @@ def _counted(model: Fibre) -> Iterator[Property]:
 def _uncounted(model: Fibre) -> Iterator[Property]:
     """Claim that only a section left again changes the count without a signal."""
     machine, own = model.machine, model.own
-    _, counting, located, _ = machine.modes
-    mode = machine.mode
     counts = followed(machine) & ~own.reference_accepted
     change = own.sections_counted - before(own.sections_counted)
     yield for_all_inputs(
@@ -110,6 +115,15 @@ def _uncounted(model: Fibre) -> Iterator[Property]:
         statement="a section that is left on the side of entry no longer counts",
         requirements=COUNTS,
     )
+
+
+def _nothing_else_counts(model: Fibre) -> Iterator[Property]:
+    """Claim that the count changes with nothing else."""
+    machine, own = model.machine, model.own
+    _, counting, located, _ = machine.modes
+    mode = machine.mode
+    counts = followed(machine) & ~own.reference_accepted
+    change = own.sections_counted - before(own.sections_counted)
     found = before(mode).eq(counting) & mode.eq(located)
     quiet = own.event.one_of(v.NO_SIGNAL, v.PASSED) & ~found
     yield for_all_inputs(

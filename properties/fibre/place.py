@@ -21,6 +21,7 @@ def properties(model: Fibre) -> Iterator[Property]:
     yield from _interval(model)
     yield from _narrower(model)
     yield from _added_error(model)
+    yield from _summed_runs(model)
     yield from _tied(model)
     yield from _entered(model)
     yield from _referred(model)
@@ -82,8 +83,7 @@ def _added_error(model: Fibre) -> Iterator[Property]:
         (follows & none).implies(
             (own.drift - seen.added_error_nm).eq(before(own.drift)) & own.run_since_edge.eq(seen.run)
         ),
-        statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if "
-        "none was measured",
+        statement="in a cycle without an edge the interval grows by rate and floor of the run, or by the farthest run if none was measured",
     )
     edge = follows & ~none
     yield for_all_inputs(
@@ -92,12 +92,16 @@ def _added_error(model: Fibre) -> Iterator[Property]:
         statement="an edge may have been passed anywhere within its cycle, and in the cycles without an amplitude before "
         "it: the whole run since the last amplitude is added to the error",
     )
+
+
+def _summed_runs(model: Fibre) -> Iterator[Property]:
+    """Claim that runs without an amplitude are summed."""
+    own, seen = model.own, Seen(model.own)
     most = own.config.tolerance_mm * NM_PER_MM
     yield for_all_inputs(
         "runs without an amplitude are summed",
         own.run_since_amplitude.eq(ite(own.amplitude.present, as_num(0, NM), minimum(seen.blind_nm, most))),
-        statement="in each cycle without an amplitude the run and its greatest error are added to the run without an "
-        "amplitude, up to the tolerance",
+        statement="in each cycle without an amplitude the run and its greatest error are added to the run without an amplitude, up to the tolerance",
     )
 
 

@@ -141,15 +141,13 @@ def _gates(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "faults are never passed",
         (own.fault.ne(NO_FAULT) | ~own.fix.present).implies(~passed),
-        statement="the machine does not pass on a delivery that is no fix, not finite, stale, late, repeated or out "
-        "of order",
+        statement="the machine does not pass on a delivery that is no fix, not finite, stale, late, repeated or out of order",
     )
     off = own.offset > own.config.offset_limit_mm
     yield for_all_inputs(
         "a fix that is passed on agrees with the map",
         (off | own.ambiguous | own.elsewhere).implies(~passed),
-        statement="the machine does not pass on a fix off the track, on no clear track, or at a place to which no "
-        "way leads in the time",
+        statement="the machine does not pass on a fix off the track, on no clear track, or at a place to which no way leads in the time",
     )
     yield for_all_inputs(
         "the place itself is inside",
@@ -159,8 +157,7 @@ def _gates(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "where the vehicle can be",
         (passed & was_holding).implies(between(step.low, own.low, step.high) & between(step.low, own.high, step.high)),
-        statement="a fix that is passed on while an interval is stored lies in the stretch that the vehicle can "
-        "have reached",
+        statement="a fix that is passed on while an interval is stored lies in the stretch that the vehicle can have reached",
     )
 
 
@@ -176,16 +173,14 @@ def _course(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a course against the permitted direction is refused",
         (only & step.runs_back).implies(~passed),
-        statement="if the way permits its own direction only, the machine does not pass on a fix whose course runs "
-        "against it",
+        statement="if the way permits its own direction only, the machine does not pass on a fix whose course runs against it",
     )
     yield for_all_inputs(
         "a refused course costs the row",
         (step.fair.one_of(ACROSS, AGAINST)).implies(
             own.agreed_fixes.eq(0) & own.fair_fixes.eq(0) & own.agreed_fixes.ne(most)
         ),
-        statement="after a fix across or against the way, the machine requires as many fixes in a row as at the "
-        "beginning",
+        statement="after a fix across or against the way, the machine requires as many fixes in a row as at the beginning",
     )
     along = ~own.course.present | (own.course.value <= own.config.course_limit_mrad)
     yield for_all_inputs(
@@ -194,8 +189,7 @@ def _course(model: Guard) -> Iterator[Property]:
             ~own.last_verdict.one_of(ACROSS, AGAINST)
         )
         & (~step.runs_back | ~only).implies(own.last_verdict.ne(AGAINST)),
-        statement="a course within the limit of the way, or none, is no reason to refuse; nor is one backwards where both directions "
-        "are permitted",
+        statement="a course within the limit of the way, or none, is no reason to refuse; nor is one backwards where both directions are permitted",
     )
 
 
@@ -212,8 +206,7 @@ def _carried(model: Guard) -> Iterator[Property]:
     yield for_all_inputs(
         "a place in reach is not refused",
         own.last_verdict.eq(OUT_OF_REACH).implies(step.out_of_reach & step.alone.eq(PASSED)),
-        statement="the machine refuses no fix as out of reach at a place that the vehicle can have reached in its "
-        "direction at the highest speed",
+        statement="the machine refuses no fix as out of reach at a place that the vehicle can have reached in its direction at the highest speed",
     )
     fills = step.fair.eq(PASSED) & step.fair_row.eq(own.config.confirmations)
     yield for_all_inputs(
@@ -279,8 +272,7 @@ def _trust(model: Guard) -> Iterator[Property]:
             own.agreed_fixes.eq(before(own.agreed_fixes)) & now.eq(before(now))
         )
         & (before(now).eq(passing) & now.eq(probation)).implies(step.implausible | contradicts),
-        statement="a delivery that is missing, faulty, coarse or in doubt changes the trust in the receiver neither "
-        "way",
+        statement="a delivery that is missing, faulty, coarse or in doubt changes the trust in the receiver neither way",
     )
     yield for_all_inputs(
         "a receiver that contradicts itself loses the trust",
@@ -350,8 +342,7 @@ def _coming_back(model: Guard) -> Iterator[Property]:
         (machine.mode.eq(passing) & before(machine.mode).ne(passing)).implies(
             back & before(own.agreed_fixes).eq(most - 1)
         ),
-        statement="a receiver that was in doubt is trusted again only from the fix on that completes the row of "
-        "agreeing ones",
+        statement="a receiver that was in doubt is trusted again only from the fix on that completes the row of agreeing ones",
     )
     yield for_all_inputs(
         "only a passed fix reports",

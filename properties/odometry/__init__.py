@@ -101,13 +101,14 @@ def _references(model: Odometry) -> Iterator[Property]:
             requirements=("MRK-1", "MRK-5"),
         )
     yield from _waiting(model)
+    yield from _waiting_ends(model)
     yield from _last_marker(model)
+    yield from _last_marker_stays(model)
 
 
 def _waiting(model: Odometry) -> Iterator[Property]:
     """Claim which identities wait for the trailing reader: those that the leading one read, until the trailing one reads them."""
     own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
-    turned = own.backwards.iff(~earlier_bool(own.backwards))
     led = [(_leads_before(own, end) & _counts(reader), reader.marker.value) for end, reader in enumerate(own.readers)]
     passed = [
         (~_leads_before(own, end) & _counts(reader), reader.marker.value) for end, reader in enumerate(own.readers)
@@ -135,6 +136,13 @@ def _waiting(model: Odometry) -> Iterator[Property]:
         ),
         statement="after the trailing reading of a marker its identity waits no longer, so that a second such reading does not count",
     )
+
+
+def _waiting_ends(model: Odometry) -> Iterator[Property]:
+    """Claim that an identity waits no longer after turning and after a loss."""
+    own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
+    turned = own.backwards.iff(~earlier_bool(own.backwards))
+    waits = own.pending.places
     mode, lost, none_waits = model.machine.mode, model.machine.modes[0], all_of(one.eq(0) for one in waits)
     yield for_pairs(
         "no identity waits after turning",
@@ -165,6 +173,18 @@ def _last_marker(model: Odometry) -> Iterator[Property]:
         (counts & mode.ne(lost) & own.backwards.iff(back)).implies(read & there),
         statement="after a leading reading that passes every check its marker is the last one, with its place on the map",
     )
+
+
+def _last_marker_stays(model: Odometry) -> Iterator[Property]:
+    """Claim that the last marker stays without a leading reading."""
+    own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
+    mode, lost, back, (front, rear) = (
+        model.machine.mode,
+        model.machine.modes[0],
+        earlier_bool(own.backwards),
+        own.readers,
+    )
+    counts = ite(back, _counts(rear), _counts(front))
     same_place = own.last_marker_position.eq(earlier_num(own.last_marker_position))
     stays = own.last_marker.eq(earlier_num(own.last_marker)) | own.last_marker.eq(0)
     yield for_pairs(
@@ -231,8 +251,7 @@ def _selection(model: Odometry) -> Iterator[Property]:
     yield for_all_inputs(
         "the smallest margin leads",
         valid.implies(all_of(_no_worse(machine, unit) for unit in own.units)),
-        statement="the reported margin is the smallest of all usable ones: the machine never changes to a value "
-        "with a greater margin",
+        statement="the reported margin is the smallest of all usable ones: the machine never changes to a value with a greater margin",
         requirements=("MRK-D3", "MRK-D4"),
     )
     candidate, of_front = machine.mode.eq(machine.modes[1]), own.devices[0].units
@@ -345,8 +364,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         own.config.gap_limit_cycles,
         ~delivered,
         delivered | ~machine.flag("valid"),
-        statement="when no unit delivers a distance, the machine reports no position after the permitted gap at the "
-        "latest",
+        statement="when no unit delivers a distance, the machine reports no position after the permitted gap at the latest",
         requirements=("MRK-D1",),
         unconditional=True,
         helper=lambda waited: all_of(waited <= unit.gap for unit in own.units),
@@ -358,8 +376,7 @@ def _sensors(model: Odometry) -> Iterator[Property]:
         yield for_all_inputs(
             f"{unit.name} gate",
             unit.last_verdict.eq(ADMITTED).iff(unit.measured.present & _within_gate(own.config, unit)),
-            statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed "
-            "since the last one",
+            statement="a distance is admitted exactly if it is below the top speed, and within the greatest change of speed since the last one",
             requirements=("MRK-4", "MRK-D1"),
         )
 

@@ -35,8 +35,11 @@ def properties(model: Odometry) -> Iterator[Property]:
     given = model.own.satellites
     if given is not None:
         yield from _loss(model, given)
+        yield from _candidate(model, given)
         yield from _use(model, given)
-        yield from _apart(model, given)
+        yield from _coarse(model, given)
+        yield from _apart(model)
+        yield from _after_markers(model, given)
 
 
 def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
@@ -44,7 +47,7 @@ def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
     machine, own = model.machine, model.own
     if own.config.trust_first_marker:
         return
-    valid, candidate = machine.flag("valid"), machine.mode.eq(machine.modes[1])
+    valid = machine.flag("valid")
     by_marker = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
     waits = before(machine.mode).eq(machine.modes[1]) & ~earlier_bool(given.candidate_of_satellites)
     yield for_all_inputs(
@@ -54,6 +57,14 @@ def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
         "candidate which satellites confirm",
         requirements=("MRK-D6", "MRK-D1"),
     )
+
+
+def _candidate(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
+    """Claim that a candidate of satellites is known as one."""
+    machine, own = model.machine, model.own
+    if own.config.trust_first_marker:
+        return
+    candidate = machine.mode.eq(machine.modes[1])
     taken, marker = given.verdict.eq(CANDIDATE), any_of(reader.verdict.eq(CANDIDATE) for reader in own.readers)
     kept = candidate & before(machine.mode).eq(machine.modes[1]) & ~taken & ~marker
     yield for_all_inputs(
@@ -87,6 +98,12 @@ def _use(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
         statement="while a position is reported and no marker is read, a position of satellites that is not refused leaves no margin "
         "greater than its own with the one-off constant of the better unit",
     )
+
+
+def _coarse(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
+    """Claim which position of satellites is too coarse, and the mode after one."""
+    machine, own = model.machine, model.own
+    widest = maximum(given.below, given.above) + _constant_mm(own.config)
     most, limit = own.config.tolerance_mm, own.config.position_limit_mm
     yield for_all_inputs(
         "only a coarse position of satellites is too coarse",
@@ -109,7 +126,7 @@ def _constant_mm(config: OdometryConfig) -> int:
     return max(constants) if config.single_fault_safe else min(constants)
 
 
-def _apart(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
+def _apart(model: Odometry) -> Iterator[Property]:
     """Positions of satellites and readings of markers touch each other in one point only: what sets the device."""
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
@@ -123,6 +140,12 @@ def _apart(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
         "the markers is kept, so that dual reading goes on as without satellites",
         requirements=("MRK-D6", "MRK-1"),
     )
+
+
+def _after_markers(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
+    """Claim that a marker counts before satellites, and what a position outside sets."""
+    machine, own = model.machine, model.own
+    valid = machine.flag("valid")
     taken = any_of(reader.verdict.one_of(ACCEPTED, CANDIDATE) for reader in own.readers)
     yield for_all_inputs(
         "a marker counts before satellites",

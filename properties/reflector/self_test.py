@@ -204,15 +204,13 @@ def _found_out(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "a radar that errs is found out by the self-test",
         (in_test(model) & _beyond(own, figure)).implies(~machine.flag("ready") & ~machine.flag("precise")),
-        statement="if the radar's systematic error exceeds the reference tolerance at a self-test, the machine is neither ready nor "
-        "precise in that cycle",
+        statement="if the radar's systematic error exceeds the reference tolerance at a self-test, the machine is neither ready nor precise in that cycle",
     )
     measured = any_of(slot.last_verdict.eq(FITS) for slot in own.slots)
     yield under_assumption(
         "a radar that errs is reported",
         (in_test(model) & machine.flag("valid") & measured & _beyond(own, figure)).implies(own.error.eq(MISMATCH)),
-        statement="if a radar whose systematic error exceeds the reference tolerance measures the reference reflector, the machine "
-        "reports a mismatch",
+        statement="if a radar whose systematic error exceeds the reference tolerance measures the reference reflector, the machine reports a mismatch",
     )
     short, long = _most(own, machine.output("range_mm"), machine.output("range_error_mm"))
     yield under_assumption(
@@ -224,8 +222,7 @@ def _found_out(model: ReflectorMachine) -> Iterator[Property]:
     yield under_assumption(
         "precise only with a radar that is nearly right",
         machine.flag("ready").implies(~_beyond(own, figure)),
-        statement="while the machine is ready for precise positioning, the radar's systematic error is within the reference "
-        "tolerance",
+        statement="while the machine is ready for precise positioning, the radar's systematic error is within the reference tolerance",
     )
 
 

@@ -115,8 +115,7 @@ def _restart(model: Satellite) -> Iterator[Property]:
     yield for_all_inputs(
         "a position begins with no earlier data",
         (valid & ~earlier_bool(valid)).implies(referenced & all_of([*fresh, *anchored])),
-        statement="a position begins at the reference, with its speed or none, no change of speed, no cycle coasted, and "
-        "odometry counts from there",
+        statement="a position begins at the reference, with its speed or none, no change of speed, no cycle coasted, and odometry counts from there",
         requirements=("SAT-1", "SAT-D1"),
     )
 
@@ -187,8 +186,7 @@ def _anchor(model: Satellite) -> Iterator[Property]:
         of.bool(own.anchored).implies(
             (offset - (now.position - now.low) <= margin) & (offset + (now.high - now.position) >= -margin)
         ),
-        statement="a reported position is no farther from the last reference, as odometry has carried it on, than "
-        "the greatest errors of both",
+        statement="a reported position is no farther from the last reference, as odometry has carried it on, than the greatest errors of both",
     )
     yield from _carried(model)
     if own.config.drift_check == "required":

@@ -41,14 +41,12 @@ def _overrun(model: StopPoint) -> Iterator[Property]:
     yield for_all_inputs(
         "an overrun is reported on a measurement only",
         (overrun & towards).implies(past),
-        statement="the machine reports an overrun of a vehicle on its way to the stop only if the vehicle, as measured, is possibly "
-        "beyond the window",
+        statement="the machine reports an overrun of a vehicle on its way to the stop only if the vehicle, as measured, is possibly beyond the window",
     )
     yield for_all_inputs(
         "a measured overrun is reported",
         (towards & past & own.pending_number.eq(before(own.pending_number))).implies(overrun),
-        statement="the machine reports an overrun if a vehicle on its way to the pending stop, as measured, is possibly beyond the "
-        "window",
+        statement="the machine reports an overrun if a vehicle on its way to the pending stop, as measured, is possibly beyond the window",
     )
     yield for_all_inputs(
         "found beyond only by a fine measurement",

@@ -18,9 +18,11 @@ for_all_inputs = partial(always, requirements=("RFL-9", "RFL-D4"), unconditional
 def distance_properties(model: UnlinkedGroup) -> Iterator[Property]:
     """Return every property of the distance."""
     yield from _safety(model)
+    yield from _rounded(model)
     yield from _reading(model)
     yield from _running(model)
     yield from _measuring(model)
+    yield from _remembered(model)
 
 
 def _safety(model: UnlinkedGroup) -> Iterator[Property]:
@@ -38,9 +40,14 @@ def _safety(model: UnlinkedGroup) -> Iterator[Property]:
     yield for_all_inputs(
         "tolerance and reach",
         step.valid.implies(all_of([*tolerable, between(-config.reach_mm, distance, config.reach_mm)])),
-        statement="a reported interval is never wider than the tolerable error, on either side, and its distance is one that a packet "
-        "can tell",
+        statement="a reported interval is never wider than the tolerable error, on either side, and its distance is one that a packet can tell",
     )
+
+
+def _rounded(model: UnlinkedGroup) -> Iterator[Property]:
+    """Claim that margins are rounded up."""
+    machine, step = model.machine, Step(model)
+    distance, above, below = (machine.output(name) for name in ("distance_mm", "margin_above_mm", "margin_below_mm"))
     held = model.own.held
     pairs = ((above, held.above), (below, held.below))
     rounded = (between(as_num(0, NM), exact_to(told, NM) - kept, as_num(NM_PER_MM - 1, NM)) for told, kept in pairs)
@@ -85,12 +92,7 @@ def _running(model: UnlinkedGroup) -> Iterator[Property]:
 
 def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
     own, step = model.own, Step(model)
-    odometer, longest = own.odometer, own.config.gap_limit_cycles + 1
-    counted = minimum(earlier_num(odometer.gap) + 1, longest)
-    heard = [
-        odometer.gap.eq(ite(step.admitted, as_num(0, COUNT), counted)),
-        odometer.last.eq(ite(step.admitted, odometer.measured.value, earlier_num(odometer.last))),
-    ]
+    odometer = own.odometer
     yield for_all_inputs(
         "odometer gate",
         step.admitted.iff(step.can_be_run),
@@ -106,6 +108,17 @@ def _measuring(model: UnlinkedGroup) -> Iterator[Property]:
         statement="a distance that is not admitted is missing, faster than the top speed, or another jump than a vehicle can make",
         requirements=("RFL-D4",),
     )
+
+
+def _remembered(model: UnlinkedGroup) -> Iterator[Property]:
+    """Claim what is remembered of the odometer, and the turn of the vehicle."""
+    own, step = model.own, Step(model)
+    odometer, longest = own.odometer, own.config.gap_limit_cycles + 1
+    counted = minimum(earlier_num(odometer.gap) + 1, longest)
+    heard = [
+        odometer.gap.eq(ite(step.admitted, as_num(0, COUNT), counted)),
+        odometer.last.eq(ite(step.admitted, odometer.measured.value, earlier_num(odometer.last))),
+    ]
     yield for_all_inputs(
         "the odometer is remembered",
         all_of(heard),

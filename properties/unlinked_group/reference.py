@@ -21,10 +21,13 @@ def reference_properties(model: UnlinkedGroup) -> Iterator[Property]:
     """Return every property of the reference."""
     yield from _taking(model)
     yield from _told_of(model)
+    yield from _grows_older(model)
     yield from _accuracy(model)
     yield from _verdict(model)
     yield from _nothing(model)
+    yield from _stated(model)
     yield from _withdrawing(model)
+    yield from _silence(model)
 
 
 def _taking(model: UnlinkedGroup) -> Iterator[Property]:
@@ -47,7 +50,7 @@ def _taking(model: UnlinkedGroup) -> Iterator[Property]:
 
 def _told_of(model: UnlinkedGroup) -> Iterator[Property]:
     machine, own, step = model.machine, model.own, Step(model)
-    passed, age = machine.output("passed"), machine.output("age_ms")
+    passed = machine.output("passed")
     first, last = own.read.first.value, own.read.last.value
     same = [machine.output(name).eq(earlier_num(machine.output(name))) for name in ("group", "location_accuracy_mm")]
     yield for_all_inputs(
@@ -62,6 +65,12 @@ def _told_of(model: UnlinkedGroup) -> Iterator[Property]:
         statement="without another unlinked group, identity, orientation and location accuracy stay those of the reading; no other "
         "telegram and no later national value changes them (SUBSET-026 3.6.4.1.4)",
     )
+
+
+def _grows_older(model: UnlinkedGroup) -> Iterator[Property]:
+    """Claim that the age counts from the reading."""
+    machine, own, step = model.machine, model.own, Step(model)
+    age = machine.output("age_ms")
     older = earlier_num(age) + own.config.period_ms
     later = ite(older > v.LONGEST_AGE_MS, as_num(v.LONGEST_AGE_MS, MS), older)
     yield for_all_inputs(
@@ -131,6 +140,11 @@ def _nothing(model: UnlinkedGroup) -> Iterator[Property]:
         (~step.valid).implies(all_of([machine.output("distance_mm").eq(NO_POSITION_MM), *margins, *zero])),
         statement="without a reference the machine reports no group and no distance",
     )
+
+
+def _stated(model: UnlinkedGroup) -> Iterator[Property]:
+    """Claim that a reference has an identity, and each loss a reason."""
+    machine, step = model.machine, Step(model)
     yield for_all_inputs(
         "a reference has an identity",
         step.valid.implies(machine.output("group").ne(as_num(0, COUNT))),
@@ -159,17 +173,20 @@ def _withdrawing(model: UnlinkedGroup) -> Iterator[Property]:
     yield for_all_inputs(
         "the reason is the one of the loss",
         (~step.valid).implies(ite(step.was_valid, reason.eq(why), stays)),
-        statement="the reason names what ended the reference, the odometer first, then the direction of running; it stays until the "
-        "next reference",
+        statement="the reason names what ended the reference, the odometer first, then the direction of running; it stays until the next reference",
     )
+
+
+def _silence(model: UnlinkedGroup) -> Iterator[Property]:
+    """Claim that silence withdraws."""
+    own, step = model.own, Step(model)
     odometer = own.odometer
     yield within(
         "silence withdraws",
         own.config.gap_limit_cycles,
         ~odometer.measured.present & ~step.serves,
         odometer.measured.present | step.serves | ~step.valid,
-        statement="when the odometer is silent, and no further unlinked group is read, there is no reference after the permitted gap "
-        "at the latest",
+        statement="when the odometer is silent, and no further unlinked group is read, there is no reference after the permitted gap at the latest",
         requirements=("RFL-D4",),
         unconditional=True,
         helper=lambda waited: waited <= odometer.gap,

@@ -174,8 +174,7 @@ def _values(figures: Figures) -> Iterator[Property]:
     yield _whatever_the_fibre_tells(
         "a wrong length withholds",
         (trusted & own.associated & own.fibre_length.present).implies(_long(figures, own.fibre_length.value)),
-        statement="a length that is farther from the train's than the tolerance and the spread of the record withholds in the "
-        "same cycle",
+        statement="a length that is farther from the train's than the tolerance and the spread of the record withholds in the same cycle",
     )
     near, far = own.ends_low, own.ends_high
     slack = figures.train.spread + own.config.length_tolerance_mm * 1_000

@@ -133,13 +133,13 @@ class Speaker:
         """Return the facts about a step: its inputs, the state before it, and the step itself."""
         return self.inputs[lawful] | self.known(lawful=lawful) | (self.lawful if lawful else self.free)
 
-    def frame(self, system: TransitionSystem, given: Terms, *, lawful: bool) -> Frame:
-        """Return the frame for this system, or for the same system with observers; `given` are further hypotheses on a step."""
+    def frame(self, system: TransitionSystem, further: Terms, *, lawful: bool) -> Frame:
+        """Return the frame for this system, or for the same system with observers; `further` are hypotheses on a step."""
         write = self.write
         return Frame(
             self.first(system, lawful=lawful),
             self.known(lawful=lawful),
-            self.step(lawful=lawful) | given,
+            self.step(lawful=lawful) | further,
             {
                 **self.moves,
                 **{write(var): write(term) for var, term in system.next.items() if write(var) not in self.moves},
@@ -309,9 +309,9 @@ class Theory:
         if other in map(self.write, (*speaker.system.state, *speaker.system.inputs)):
             raise RefusedError("a variable has the name of the second copy")
         name, lawful = option.value.name, one.header["rule"] != "absence"
-        given = self.write.conjuncts([in_range(speaker.system.inputs), *([speaker.system.assume] if lawful else ())])
-        given |= Rewriting(self.dag, {self.write(option.value): other}).all(given)
-        _only(one, given | speaker.known(lawful=lawful) | {self.dag.make("not", [self.write(option.present)])})
+        further = self.write.conjuncts([in_range(speaker.system.inputs), *([speaker.system.assume] if lawful else ())])
+        further |= Rewriting(self.dag, {self.write(option.value): other}).all(further)
+        _only(one, further | speaker.known(lawful=lawful) | {self.dag.make("not", [self.write(option.present)])})
         self.absent[one.header.get("part", ""), name, lawful] |= frozenset(one.goals) | self.dag.conjuncts(one.goals)
 
     def _first_values(self, speaker: Speaker, one: Certificate) -> None:

@@ -10,11 +10,9 @@ from typing import Annotated, Any
 import typer
 
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
-from safeloc.assurance.margins.kept_margins import margins_of
-from safeloc.assurance.margins.kept_margins import stamp as margins_stamp
-from safeloc.assurance.mutation.kept_score import scores_of
-from safeloc.assurance.mutation.kept_score import stamp as scores_stamp
-from safeloc.assurance.mutation.strength import stamp, strengths_of
+from safeloc.assurance.margins.kept_margins import MARGINS
+from safeloc.assurance.mutation.kept_score import SCORES
+from safeloc.assurance.mutation.strength import STRENGTHS, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
@@ -104,7 +102,7 @@ def verify(
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed, quick)
     store = store_in(cache)
-    stamps = (stamp(store), margins_stamp(store), scores_stamp(store))
+    stamps = (STRENGTHS.stamp(store), MARGINS.stamp(store), SCORES.stamp(store))
     key = None if as_json else report_key(names, config, plan, single, evidence, *stamps)
     usable(folder)
     copies = copied_to(folder, {SARIF: sarif, JUNIT: junit})
@@ -121,7 +119,7 @@ def verify(
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
     strengths, made = strengths_of(store, loaded), _made(plan)
-    margins, scores = margins_of(store, loaded), scores_of(store, loaded)
+    margins, scores = MARGINS.of_targets(store, loaded), SCORES.of_targets(store, loaded)
     page = write_folder(
         folder,
         findings,

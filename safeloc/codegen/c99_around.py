@@ -8,9 +8,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.codegen.c99_layout import Field, Layout, literal
-from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_statements import returned
 from safeloc.codegen.c99_statuses import statuses
 from safeloc.codegen.c99_terms import constant
+
+
+def _required(layout: Layout, *pointers: str) -> str:
+    """Return the statement that refuses a call without one of these pointers."""
+    return returned(" || ".join(f"{name} == NULL" for name in pointers), f"{layout.names.upper}_NO_POINTER")
+
+
+def _sound(layout: Layout) -> str:
+    """Return the statements that refuse a state which was not set, or is out of its ranges."""
+    return f"    const int32_t status = sound(state);\n{returned(f'status != {layout.names.upper}_OK', 'status')}"
 
 
 def stepping(layout: Layout) -> str:
@@ -19,31 +29,18 @@ def stepping(layout: Layout) -> str:
     idle = "".join(f"    outputs->{field.name} = 0;\n" for field in layout.fired)
     return f"""int32_t {p}_step({p}_state *state, const {p}_inputs *inputs, {p}_outputs *outputs)
 {{
-    if (state == NULL || inputs == NULL || outputs == NULL) {{
-        return {upper}_NO_POINTER;
-    }}
-    int32_t status = sound(state);
+{_required(layout, "state", "inputs", "outputs")}    int32_t status = sound(state);
     if (status == {upper}_OK) {{
         status = judged(inputs);
     }}
-    if (status != {upper}_OK) {{
-        return status;
-    }}
-    advance(state, inputs, outputs);
+{returned(f"status != {upper}_OK", "status")}    advance(state, inputs, outputs);
     show(state, outputs);
     return {upper}_OK;
 }}
 
 int32_t {p}_show(const {p}_state *state, {p}_outputs *outputs)
 {{
-    if (state == NULL || outputs == NULL) {{
-        return {upper}_NO_POINTER;
-    }}
-    const int32_t status = sound(state);
-    if (status != {upper}_OK) {{
-        return status;
-    }}
-    show(state, outputs);
+{_required(layout, "state", "outputs")}{_sound(layout)}    show(state, outputs);
 {idle}    return {upper}_OK;
 }}
 """
@@ -104,12 +101,10 @@ def _loop(layout: Layout, name: str, given: str, results: str, source: _Source) 
             }}
             advance(&now, {source.inputs}, &outputs);
 """
-    missing = line(f"if (state == NULL || done == NULL || {source.missing.format(columns=columns)}) {{", 1)
+    missing = f"state == NULL || done == NULL || {source.missing.format(columns=columns)}"
     return f"""int32_t {p}_{name}({p}_state *state, {given}, {results}, size_t count, size_t *done)
 {{
-{missing}        return {upper}_NO_POINTER;
-    }}
-    int32_t status = sound(state);
+{returned(missing, f"{upper}_NO_POINTER")}    int32_t status = sound(state);
     if (status != {upper}_OK) {{
         *done = 0;
         return status;
@@ -144,17 +139,11 @@ def _gathered(field: Field) -> str:
 def snapshots(layout: Layout) -> str:
     """Return the functions that save and restore a snapshot, with a checksum over values, not over padding."""
     p, upper = layout.names.prefix, layout.names.upper
+    damaged = returned("snapshot->checksum != checksum(&snapshot->state)", f"{upper}_SNAPSHOT_DAMAGED")
     return f"""{_checksum(layout)}
 int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
 {{
-    if (state == NULL || snapshot == NULL) {{
-        return {upper}_NO_POINTER;
-    }}
-    const int32_t status = sound(state);
-    if (status != {upper}_OK) {{
-        return status;
-    }}
-    snapshot->declaration = {upper}_DECLARATION;
+{_required(layout, "state", "snapshot")}{_sound(layout)}    snapshot->declaration = {upper}_DECLARATION;
     snapshot->checksum = checksum(state);
     snapshot->state = *state;
     return {upper}_OK;
@@ -162,16 +151,7 @@ int32_t {p}_save(const {p}_state *state, {p}_snapshot *snapshot)
 
 int32_t {p}_restore({p}_state *state, const {p}_snapshot *snapshot)
 {{
-    if (state == NULL || snapshot == NULL) {{
-        return {upper}_NO_POINTER;
-    }}
-    if (snapshot->declaration != {upper}_DECLARATION) {{
-        return {upper}_SNAPSHOT_FOREIGN;
-    }}
-    if (snapshot->checksum != checksum(&snapshot->state)) {{
-        return {upper}_SNAPSHOT_DAMAGED;
-    }}
-    const int32_t status = {p}_check_state(&snapshot->state);
+{_required(layout, "state", "snapshot")}{returned(f"snapshot->declaration != {upper}_DECLARATION", f"{upper}_SNAPSHOT_FOREIGN")}{damaged}    const int32_t status = {p}_check_state(&snapshot->state);
     if (status == {upper}_OK) {{
         *state = snapshot->state;
     }}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from safeloc.codegen.c99_around import running, snapshots, status_texts, stepping
 from safeloc.codegen.c99_layout import Field, Layout, remark
-from safeloc.codegen.c99_statements import line
+from safeloc.codegen.c99_statements import returned
 from safeloc.codegen.c99_statuses import input_status
 from safeloc.codegen.c99_step import advance, blocks, body_of, joined, locals_of, show
 from safeloc.codegen.c99_terms import CEIL_DIV, FLOOR_DIV, constant
@@ -74,7 +74,7 @@ def _first_checks(layout: Layout) -> str:
     if not layout.first:
         return ""
     tests = [*filter(None, (_outside(field, "first") for field in layout.first)), "!may_begin(first)"]
-    return "".join(_returned(test, f"{layout.names.upper}_FIRST_REFUSED") for test in tests)
+    return "".join(returned(test, f"{layout.names.upper}_FIRST_REFUSED") for test in tests)
 
 
 def _may_begin(layout: Layout) -> list[Text]:
@@ -113,10 +113,10 @@ def _check_inputs(layout: Layout) -> str:
     """Return two functions that check the inputs: a static one, which compilers inline, and the external one that calls it."""
     p, upper = layout.names.prefix, layout.names.upper
     checks = "".join(
-        _returned(_refused(field), input_status(layout, field)) for field in layout.inputs if _refused(field)
+        returned(_refused(field), input_status(layout, field)) for field in layout.inputs if _refused(field)
     )
     unused = "" if checks else "    (void)inputs;\n"
-    missing = _returned("inputs == NULL", f"{upper}_NO_POINTER")
+    missing = returned("inputs == NULL", f"{upper}_NO_POINTER")
     return (
         f"/* The status of the first input that is out of its range. */\n"
         f"static inline int32_t judged(const {p}_inputs *inputs)\n{{\n{unused}{checks}    return {upper}_OK;\n}}\n\n"
@@ -145,19 +145,15 @@ def _check_state(layout: Layout) -> str:
     p, upper = layout.names.prefix, layout.names.upper
     ranges = [test for field in layout.state if (test := _outside(field, "state"))]
     lemmas = [f"!lemma_{number}(state)" for number in range(1, len(layout.kept or {}) + 1)]
-    checks = _returned(f"state->declaration != {upper}_DECLARATION", f"{upper}_STATE_NOT_SET")
-    checks += "".join(_returned(test, f"{upper}_STATE_OUT_OF_RANGE") for test in ranges)
-    checks += "".join(_returned(test, f"{upper}_STATE_UNSOUND") for test in lemmas)
-    missing = _returned("state == NULL", f"{upper}_NO_POINTER")
+    checks = returned(f"state->declaration != {upper}_DECLARATION", f"{upper}_STATE_NOT_SET")
+    checks += "".join(returned(test, f"{upper}_STATE_OUT_OF_RANGE") for test in ranges)
+    checks += "".join(returned(test, f"{upper}_STATE_UNSOUND") for test in lemmas)
+    missing = returned("state == NULL", f"{upper}_NO_POINTER")
     return (
         f"/* The status of a state: it was set, and every variable is in its range. */\n"
         f"static inline int32_t sound(const {p}_state *state)\n{{\n{checks}    return {upper}_OK;\n}}\n\n"
         f"int32_t {p}_check_state(const {p}_state *state)\n{{\n{missing}    return sound(state);\n}}\n"
     )
-
-
-def _returned(test: str, status: str) -> str:
-    return f"{line(f'if ({test}) {{', 1)}        return {status};\n    }}\n"
 
 
 def _refused(field: Field) -> str:

@@ -77,6 +77,11 @@ def line(text: str, depth: int) -> str:
     )
 
 
+def returned(test: str, status: str) -> str:
+    """Return the statement of a function's body that ends the call with this status if the test holds."""
+    return f"{line(f'if ({test}) {{', 1)}        return {status};\n    }}\n"
+
+
 def _choice(choice: Choice, leaf: Leaf, depth: int, declared: frozenset[str]) -> str:
     kept = {name: kind for name, kind in given(choice).items() if name not in declared}
     inside = declared | kept.keys()

@@ -9,7 +9,17 @@ from collections.abc import Mapping
 from typing import assert_never
 
 from safeloc.codegen.merge_choices import is_magnitude
-from safeloc.codegen.naming_terms import Writing
+from safeloc.codegen.naming_terms import (
+    AND,
+    ATOM,
+    CHOICE,
+    COMPARED,
+    OR,
+    PRODUCT,
+    SUM,
+    UNARY,
+    Bracketing,
+)
 from safeloc.language.nodes import (
     Add,
     And,
@@ -35,10 +45,9 @@ from safeloc.language.nodes import (
 )
 
 _OPPOSITE = {"<": ">=", "<=": ">", "===": "!=="}
-_CHOICE, _OR, _AND, _COMPARED, _SUM, _PRODUCT, _UNARY, _ATOM = range(8)
 
 
-class JavaScriptTerms(Writing):
+class JavaScriptTerms(Bracketing):
     """Writes terms as JavaScript.
 
     checked  every sum, difference and product is checked to stay within 64 bits, by the function `fits`
@@ -50,43 +59,39 @@ class JavaScriptTerms(Writing):
         self.passing = 0
         self._checked = checked
 
-    def code(self, term: Expr) -> str:
-        """Return the term as an expression that can stand alone, as a value or as a test."""
-        return self._written(term)[0]
-
     def twice(self, node: Expr) -> tuple[Expr, ...]:  # noqa: ARG002 # the same for every node
         """Return no operands: an operand that is read twice gets its name at the first reading, by an assignment."""
         return ()
 
     def _written(self, term: Expr) -> tuple[str, int]:
-        """Return the term's text, and the precedence of its outermost operator (_CHOICE binds least, _ATOM most)."""
+        """Return the term's text, and the precedence of its outermost operator."""
         if term in self.named:
-            return self.used(self.named[term]), _ATOM
+            return self.used(self.named[term]), ATOM
         assert isinstance(term, Node)
         match term:
             case Lit(value, _):
-                return f"{value}n", _UNARY if value < 0 else _ATOM
+                return f"{value}n", UNARY if value < 0 else ATOM
             case Truth(value):
-                return str(value).lower(), _ATOM
+                return str(value).lower(), ATOM
             case Add() | Sub() | Mul():
                 return self._fitting(*self._arithmetic(term))
             case FloorDiv(a, divisor, _):
-                return f"{self.used('down')}({self.code(a)},{divisor}n)", _ATOM
+                return f"{self.used('down')}({self.code(a)},{divisor}n)", ATOM
             case Min() | Max():
-                return self._extreme(term), _CHOICE
+                return self._extreme(term), CHOICE
             case Choose(c, a, b, _) | ChooseBool(c, a, b):
-                return f"{self._part(c, _OR)}?{self._part(a, _OR)}:{self._part(b, _CHOICE)}", _CHOICE
+                return f"{self._part(c, OR)}?{self._part(a, OR)}:{self._part(b, CHOICE)}", CHOICE
             case Not(Compare() as inner) if inner not in self.named:
                 left, op, right = self._sides(inner)
-                return f"{left}{_OPPOSITE[op]}{right}", _COMPARED
+                return f"{left}{_OPPOSITE[op]}{right}", COMPARED
             case Not(inner):
-                return f"!{self._part(inner, _UNARY)}", _UNARY
+                return f"!{self._part(inner, UNARY)}", UNARY
             case And(parts):
-                return "&&".join(self._part(part, _COMPARED) for part in parts), _AND
+                return "&&".join(self._part(part, COMPARED) for part in parts), AND
             case Or(parts):
-                return "||".join(self._part(part, _AND) for part in parts), _OR
+                return "||".join(self._part(part, AND) for part in parts), OR
             case Compare():
-                return "".join(self._sides(term)), _COMPARED
+                return "".join(self._sides(term)), COMPARED
             case Past() | NumVar() | BoolVar():
                 raise KeyError(f"{term!r} has no value here")
             case _:
@@ -95,20 +100,20 @@ class JavaScriptTerms(Writing):
     def _arithmetic(self, term: Add | Sub | Mul) -> tuple[str, int]:
         match term:
             case Add(a, b):
-                return f"{self._part(a, _SUM)}+{self._part(b, _PRODUCT)}", _SUM
+                return f"{self._part(a, SUM)}+{self._part(b, PRODUCT)}", SUM
             case Sub(Lit(0, _), b):
-                return f"-{self._part(b, _ATOM)}", _UNARY
+                return f"-{self._part(b, ATOM)}", UNARY
             case Sub(a, b):
-                right = self._part(b, _PRODUCT)  # a minus sign after another one would be a decrement
-                return f"{self._part(a, _SUM)}-{f'({right})' if right.startswith('-') else right}", _SUM
+                right = self._part(b, PRODUCT)  # a minus sign after another one would be a decrement
+                return f"{self._part(a, SUM)}-{f'({right})' if right.startswith('-') else right}", SUM
             case Mul(a, b):
-                return f"{self._part(a, _PRODUCT)}*{self._part(b, _UNARY)}", _PRODUCT
+                return f"{self._part(a, PRODUCT)}*{self._part(b, UNARY)}", PRODUCT
             case _:
                 assert_never(term)
 
     def _fitting(self, text: str, firmness: int) -> tuple[str, int]:
         """Return the text as it is, or within a call that refuses a value beyond 64 bits."""
-        return (f"{self.used('fits')}({text})", _ATOM) if self._checked else (text, firmness)
+        return (f"{self.used('fits')}({text})", ATOM) if self._checked else (text, firmness)
 
     def _extreme(self, term: Min | Max) -> str:
         if isinstance(term, Max) and is_magnitude(term):
@@ -120,18 +125,13 @@ class JavaScriptTerms(Writing):
     def _twice_read(self, term: Num) -> tuple[str, str]:
         """Return the term's name, and its text for the first reading, which assigns the name."""
         if term in self.named or isinstance(term, Lit):
-            text = self._part(term, _ATOM)
+            text = self._part(term, ATOM)
             return text, text
         self.passing += 1
         name = f"p{self.passing}"
         return name, f"({name}={self.code(term)})"
 
-    def _part(self, term: Expr, least: int) -> str:
-        """Return the term as an operand, in brackets if its precedence is below `least`."""
-        text, firmness = self._written(term)
-        return text if firmness >= least else f"({text})"
-
     def _sides(self, term: Compare) -> tuple[str, str, str]:
         """Return left side, operator and right side of a comparison."""
         op = "===" if term.op == "==" else term.op
-        return self._part(term.left, _SUM), op, self._part(term.right, _SUM)
+        return self._part(term.left, SUM), op, self._part(term.right, SUM)

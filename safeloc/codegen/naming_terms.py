@@ -88,3 +88,24 @@ class Writing(ABC):
                 twice.add(node)
                 depth[node] = 0
         return [node for node in below if node in twice]
+
+
+CHOICE, OR, AND, COMPARED, SUM, PRODUCT, UNARY, ATOM = range(8)
+"""Precedences of operators: CHOICE binds least, ATOM most."""
+
+
+class Bracketing(Writing):
+    """Writes terms of a language in which an operand stands in brackets if its operator binds less than its user's."""
+
+    def code(self, term: Expr) -> str:
+        """Return the term as an expression that can stand alone, as a value or as a test."""
+        return self._written(term)[0]
+
+    @abstractmethod
+    def _written(self, term: Expr) -> tuple[str, int]:
+        """Return the term's text, and the precedence of its outermost operator."""
+
+    def _part(self, term: Expr, least: int) -> str:
+        """Return the term as an operand, in brackets if its precedence is below `least`."""
+        text, firmness = self._written(term)
+        return text if firmness >= least else f"({text})"

@@ -183,8 +183,7 @@ class Unrolling:
         """Return the values of variables at a step in the model."""
         found: dict[str, Value] = {}
         for var in variables:
-            value = model.eval(self.at(var, step), model_completion=True)
-            found[var.name] = value.as_long() if isinstance(value, z3.IntNumRef) else z3.is_true(value)
+            found[var.name] = value_of(model, self.at(var, step))
         return found
 
     def _terms(self, step: int) -> Terms:
@@ -193,3 +192,9 @@ class Unrolling:
             named = {var: constant(var, f"@{number}") for var in (*self.system.state, *self.system.inputs)}
             self._states.append(Terms(named))
         return self._states[step]
+
+
+def value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
+    """Return the value of a term in a model; one that the model leaves open gets some value."""
+    value = model.eval(term, model_completion=True)
+    return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)

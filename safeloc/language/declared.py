@@ -6,18 +6,23 @@
     wheel = declared.ghost(number("wheel_um", UM, -BESIDE_UM, BESIDE_UM), first=ANY)
     next_wheel = declared.choice(number("next_wheel_um", UM, -BESIDE_UM, BESIDE_UM))
 
-    Machine(inputs=declared.inputs, state=declared.states, world=World(ghosts=declared.ghosts, choices=declared.choices), ...)
+    world = declared.world({wheel: next_wheel}, clauses)
+    declared.machine(name="head", modes=table, outputs=..., transitions=..., world=world)
 
-Variables of one role are listed in the order of their declarations. For inputs and state this is the order of the fields in C.
+Machine and world take their variables from here, so none is named twice. Variables of one role are listed in the order of their declarations. For inputs and state this is the order of the fields in C.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from safeloc.errors import ModelError, declared_at
-from safeloc.language.expr import BoolVar, NumVar, Optional, Var
+from safeloc.language.expr import TRUE, Bool, BoolVar, Expr, Lit, NumVar, Optional, Var
 from safeloc.language.first_values import Initial
+from safeloc.language.machine import Machine
+from safeloc.language.transition_table import Transition
+from safeloc.language.world import Law, World
 
 _Input = TypeVar("_Input", bound=NumVar | BoolVar | Optional)
 _Variable = TypeVar("_Variable", bound=NumVar | BoolVar)
@@ -76,6 +81,38 @@ class Declared:
         self._once(var)
         self._choices.append(var)
         return var
+
+    def world(self, moves: Mapping[Var, Expr], clauses: Mapping[str, Bool | Law], reads_machine: str = "") -> World:
+        """Return the world with the ghosts and choices that were declared; the rest as in `World`."""
+        return World(self.ghosts, self.choices, moves, clauses, reads_machine)
+
+    def machine(
+        self,
+        *,
+        name: str,
+        modes: Sequence[Lit],
+        outputs: Mapping[str, Expr],
+        transitions: Sequence[Transition],
+        world: World | None = None,
+        initially: Bool = TRUE,
+        lemmas: Mapping[str, Bool] | None = None,
+        definitions: Mapping[str, Expr] | None = None,
+        doc: str = "",
+    ) -> Machine:
+        """Return the machine with the inputs and the state that were declared; the rest as in `Machine`."""
+        return Machine(
+            name,
+            modes,
+            self.inputs,
+            self.states,
+            outputs,
+            transitions,
+            World() if world is None else world,
+            initially,
+            {} if lemmas is None else lemmas,
+            {} if definitions is None else definitions,
+            doc,
+        )
 
     def _once(self, var: Var) -> None:
         here = declared_at()

@@ -237,6 +237,20 @@ def step(
     return after, dict(zip(system.fired, map(int, moved[len(after) :]), strict=True))
 
 
+def stepped(
+    system: TransitionSystem, state: Values, stream: Iterable[Mapping[Var, Value]], *, while_: Bool = TRUE
+) -> Iterator[tuple[Mapping[Var, Value], Values, dict[NumVar, int]]]:
+    """Step on from a state; yield the inputs of each step, the state after it and the numbers of the transitions that fired.
+
+    while_  a condition over the state before the step and inputs: the run ends before the first step that breaks it
+    """
+    for inputs in stream:
+        if while_ is not TRUE and not holds(while_, {**state, **inputs}):
+            return
+        state, fired = step(system, state, inputs)
+        yield inputs, state, fired
+
+
 def taken(
     system: TransitionSystem,
     state: Values,
@@ -245,17 +259,14 @@ def taken(
     while_: Bool = TRUE,
     hidden: Container[Var] = (),
 ) -> Iterator[tuple[Step, Values]]:
-    """Run on from a state; yield each step together with the state after it.
+    """Run on from a state with inputs by name; yield each step together with the state after it.
 
-    while_  a condition over the state before the step and inputs: the run ends before the first step that breaks it
+    while_  as in `stepped`
     hidden  state variables that the yielded steps omit
     """
-    for record in stream:
-        inputs = read_inputs(system, record)
-        if while_ is not TRUE and not holds(while_, {**state, **inputs}):
-            return
-        state, fired = step(system, state, inputs)
-        yield Step(named(inputs), fired_names(fired), named(state, hidden), outputs(system, state)), state
+    rows = (read_inputs(system, record) for record in stream)
+    for inputs, after, fired in stepped(system, state, rows, while_=while_):
+        yield Step(named(inputs), fired_names(fired), named(after, hidden), outputs(system, after)), after
 
 
 def run(

@@ -131,3 +131,16 @@ class Model(Generic[_Parts]):
 
     machine: Machine
     own: _Parts
+
+    def in_mode(self, *labels: str) -> Bool:
+        """Return that the machine is in one of the named modes; UnknownNameError if it has no such mode."""
+        mode = self.machine.mode
+        table = mode.unit
+        assert isinstance(table, Enumeration)
+        unknown = [label for label in labels if label not in table.members]
+        if unknown:
+            raise UnknownNameError(
+                f"{declared_at()}: {self.machine.name} has no mode {unknown[0]!r}; it has {list(table.members)}."
+                f"{hint(unknown[0], table.members)}"
+            )
+        return mode.one_of(*(Lit(table.index(label), table) for label in labels))

@@ -92,16 +92,8 @@ def always(
     unconditional: bool = False,
 ) -> Property:
     """Require that `term` holds in every step, and in the first state too if it reads state only."""
-    return Property(
-        name,
-        "always",
-        term,
-        further_assumption=further_assumption,
-        statement=statement or name,
-        requirements=requirements,
-        assumption=assumption,
-        unconditional=unconditional,
-    )
+    more = (further_assumption, statement or name, requirements, assumption, None, unconditional)
+    return Property(name, "always", term, TRUE, 0, *more)
 
 
 @check_keywords(PropertyError, _RENAMED)
@@ -116,16 +108,9 @@ def never(
     unconditional: bool = False,
 ) -> Property:
     """Require that `term` holds in no step, nor in the first state if it reads state only."""
-    return Property(
-        name,
-        "always",
-        ~term if isinstance(term, Bool) else term,
-        further_assumption=further_assumption,
-        statement=statement or name,
-        requirements=requirements,
-        assumption=assumption,
-        unconditional=unconditional,
-    )
+    negated = ~term if isinstance(term, Bool) else term
+    more = (further_assumption, statement or name, requirements, assumption, None, unconditional)
+    return Property(name, "always", negated, TRUE, 0, *more)
 
 
 @check_keywords(PropertyError, _RENAMED)
@@ -146,19 +131,8 @@ def within(
 
     The first state is no step: a trigger that holds only there requires nothing. PropertyError if `steps` is negative.
     """
-    return Property(
-        name,
-        "within",
-        trigger,
-        response,
-        steps,
-        further_assumption,
-        statement or name,
-        requirements,
-        assumption,
-        helper,
-        unconditional,
-    )
+    more = (further_assumption, statement or name, requirements, assumption, helper, unconditional)
+    return Property(name, "within", trigger, response, steps, *more)
 
 
 @check_keywords(PropertyError, _RENAMED)
@@ -173,16 +147,8 @@ def reachable(
     unconditional: bool = False,
 ) -> Property:
     """Require that some run reaches `term`; the proof is a witness, the inputs of such a run."""
-    return Property(
-        name,
-        "reachable",
-        term,
-        further_assumption=further_assumption,
-        statement=statement or name,
-        requirements=requirements,
-        assumption=assumption,
-        unconditional=unconditional,
-    )
+    more = (further_assumption, statement or name, requirements, assumption, None, unconditional)
+    return Property(name, "reachable", term, TRUE, 0, *more)
 
 
 def _earlier(term: Expr) -> Expr:
@@ -250,6 +216,13 @@ def observe(system: TransitionSystem, prop: Property) -> Goal:
     while_waiting = TRUE if waiting is None or helper is None else (waiting > 0).implies(helper)
     good, plain = observer.goal(prop, waiting), _relied_on(system, prop)
     return Goal(observer.on(plain), good, prop, tuple(observer.moves), system, plain, while_waiting)
+
+
+def speaks_of(system: TransitionSystem, prop: Property) -> bool:
+    """Return whether the system has all variables that the property reads, so that it can be judged there."""
+    known: set[Var] = {*system.state, *system.inputs, *system.fired}
+    read = variables([prop.term, prop.response, prop.further_assumption])
+    return all((var if var.before is None else var.before) in known for var in read)
 
 
 def waiting_for(prop: Property) -> NumVar | None:

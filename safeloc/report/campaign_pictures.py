@@ -15,6 +15,7 @@ from safeloc.report.drawing import (
     line,
     picture,
     stroke_swatch,
+    styled,
     upright_axis,
     word,
 )
@@ -122,5 +123,4 @@ def _cycle(number: int) -> list[str]:
 
 def with_style(drawn: str) -> str:
     """Return a picture with its style, for a file of its own and for the page."""
-    head, _, rest = drawn.partition(">")
-    return f"{head}>{_STYLE}{rest}\n"
+    return styled(drawn, _STYLE)

@@ -205,3 +205,9 @@ def picture(parts: Iterable[str], height: float, title: str) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height:.0f}" width="{_WIDTH}" '
         f'height="{height:.0f}" role="img" aria-label="{label}" class="picture">{"".join(parts)}</svg>'
     )
+
+
+def styled(drawn: str, style: str) -> str:
+    """Return a picture as the text of an SVG file, with a style sheet of its own."""
+    head, _, rest = drawn.partition(">")
+    return f"{head}>{style}{rest}\n"

@@ -20,6 +20,7 @@ from safeloc.report.drawing import (
     line,
     picture,
     stroke_swatch,
+    styled,
     upright,
     upright_axis,
     word,
@@ -200,8 +201,7 @@ def _axis(values: Sequence[float], begin: float, end: float) -> Axis:
 
 def alone(drawn: str) -> str:
     """Return a picture as the text of an SVG file, with the colours that the page gives it otherwise."""
-    head, _, rest = drawn.partition(">")
-    return f"{head}>{_STYLE}{rest}\n"
+    return styled(drawn, _STYLE)
 
 
 _STYLE = (

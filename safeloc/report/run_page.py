@@ -19,8 +19,8 @@ from safeloc.codegen.javascript import common, javascript, on_board
 from safeloc.errors import InputError
 from safeloc.explain.pytest_file import run_file_pieces
 from safeloc.proof.drawn_runs.lawful import first_state
-from safeloc.report.file_names import file_names
 from safeloc.report.links import Links
+from safeloc.report.stored import machine_names
 from safeloc.report.verdict_words import told_of
 from safeloc.runtime.scripts import script
 from safeloc.target import Target
@@ -91,7 +91,7 @@ def known_runs(data: _Data, made: str, *, report: str) -> dict[str, Any]:
 
 def views(data: _Data, made: str) -> Iterator[tuple[str, str]]:
     """Yield file name and script of what belongs to each machine with runs."""
-    files, links = _files(data), Links(data, _all_files(data))
+    files, links = _files(data), Links(data, machine_names(data))
     for machine in data["machines"]:
         if machine["name"] in files:
             results = [row for row in data["results"] if row["machine"] == machine["name"]]
@@ -142,14 +142,10 @@ def claim_of(result: str) -> str:
     return name.partition(": ")[2] if kind == "replay" else name
 
 
-def _all_files(data: _Data) -> dict[str, str]:
-    return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
-
-
 def _files(data: _Data) -> dict[str, str]:
     """Return the file name of each machine that has a run."""
     having = {row["machine"] for row in data["results"] if row["id"] in data.get("runs", {})}
-    return {name: file for name, file in _all_files(data).items() if name in having}
+    return {name: file for name, file in machine_names(data).items() if name in having}
 
 
 def view(machine: _Data, results: _Data, made: str) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from safeloc.assurance.mutation.kept_score import scores_of
+from safeloc.assurance.mutation.kept_score import SCORES
 from safeloc.catalogue import load_target
 from safeloc.proof.cache.store import Store
 from tests.cli.calling import Call
@@ -33,7 +33,7 @@ def test_json_of_a_sample(call: Call, tmp_path: Path) -> None:
     assert first["results"] == again["results"]
     [one] = json.loads(call(*command, "--mutant", first["results"][0]["id"]).out)["results"]
     assert first["results"][0] == one
-    kept = scores_of(Store(tmp_path), [load_target(SPEC)])["brake"]
+    kept = SCORES.of_targets(Store(tmp_path), [load_target(SPEC)])["brake"]
     assert (5, first["everywhere"]["killed_by_proof"]) == (kept["judged"], kept["by_proof"])
 
 

@@ -10,7 +10,8 @@ import pytest
 
 from safeloc.errors import ModelError
 from safeloc.language.declared import Declared
-from safeloc.language.expr import boolean, number, optional
+from safeloc.language.digest import full_digest
+from safeloc.language.expr import FALSE, TRUE, boolean, number, optional
 from safeloc.language.machine import ANY, Initial, Machine, Transition, modes
 from safeloc.language.system import lower
 from safeloc.language.units import MM
@@ -38,6 +39,48 @@ def test_each_role_keeps_the_order_of_its_declarations() -> None:
     assert place is a
     assert (declared.inputs, declared.choices) == ([b, fix], [push])
     assert system.ghosts == {truth, push}
+
+
+def test_machine_and_world_take_what_is_declared() -> None:
+    """`declared.world` and `declared.machine` make the same system as the constructors with the four lists by hand."""
+
+    def declared() -> Declared:
+        made = Declared()
+        made.sensor(optional("fix_mm", MM, 0, 9))
+        made.state(number("place_mm", MM, 0, 9), first=3)
+        made.ghost(boolean("truth"), first=ANY)
+        made.choice(boolean("push"))
+        return made
+
+    by_hand, collected = declared(), declared()
+    (on,) = table = modes("ON")
+    clauses, moves = {"a push": TRUE}, {ghost: ghost for ghost in collected.ghosts}
+    world = collected.world(moves, clauses, "no reason")
+    made = collected.machine(
+        name="m",
+        modes=table,
+        outputs={},
+        transitions=[Transition("stay on", on, on)],
+        world=world,
+        initially=FALSE,
+        lemmas={"a lemma": TRUE},
+        definitions={"a name": TRUE},
+        doc="A machine.",
+    )
+    assert (world.clauses, world.reads_machine) == (clauses, "no reason")
+    assert (made.initially, made.lemmas, made.definitions, made.doc) == (
+        FALSE,
+        {"a lemma": TRUE},
+        {"a name": TRUE},
+        "A machine.",
+    )
+    assert made.src.startswith(f"{__file__}:")
+    plain = collected.machine(name="m", modes=modes("ON"), outputs={}, transitions=[], world=collected.world(moves, {}))
+    assert (plain.initially, plain.lemmas, plain.definitions, plain.doc) == (TRUE, {}, {}, "")
+    bare = collected.machine(
+        name="m", modes=table, outputs={}, transitions=made.transitions, world=collected.world(moves, {})
+    )
+    assert full_digest(lower(bare)) == full_digest(lower(whole(by_hand)))
 
 
 A_MM, FIX = number("a_mm", MM, 0, 9), optional("a_mm", MM, 0, 9)

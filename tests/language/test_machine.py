@@ -10,7 +10,7 @@ import pytest
 from safeloc.errors import ModelError, UnitError, UnknownNameError
 from safeloc.language.expr import boolean, enumeration, members, number
 from safeloc.language.interpret import holds
-from safeloc.language.machine import ANY, Machine, Transition, current_mode, modes
+from safeloc.language.machine import ANY, Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import MM
 
 A, B = modes("A", "B")
@@ -113,3 +113,16 @@ def test_modes_have_distinct_names() -> None:
     """Two modes of one name could not be told apart in a trace or a file."""
     with pytest.raises(ModelError, match=r"mode has labels \['A', 'A'\]; they must be distinct\.$"):
         modes("A", "A")
+
+
+def test_a_model_names_its_modes() -> None:
+    """`in_mode` holds in the modes that are named, and in no other; a name that the machine lacks is refused with the nearest."""
+    table = modes("IDLE", "ONE", "SEVERAL")
+    rows = [Transition("goes on", table[0], table[1]), Transition("parts", table[1], table[2])]
+    model = Model(Machine("tracks", table, [], {}, {}, rows), None)
+    found = [holds(model.in_mode("ONE", "SEVERAL"), {model.machine.mode: number}) for number in range(3)]
+    assert found == [False, True, True]
+    with pytest.raises(
+        UnknownNameError, match=r"tracks has no mode 'SEVERALS'; it has \['IDLE', 'ONE', 'SEVERAL'\].*SEVERAL"
+    ):
+        model.in_mode("IDLE", "SEVERALS")

@@ -13,7 +13,7 @@ import pytest
 
 from safeloc.assurance.margins.asking import UNMOVED, Answer
 from safeloc.assurance.margins.figures import Figure
-from safeloc.assurance.margins.kept_margins import keep_margins, margins_of, stamp
+from safeloc.assurance.margins.kept_margins import MARGINS, keep_margins
 from safeloc.assurance.margins.limits_of_figures import Limit
 from safeloc.assurance.margins.margin_data import row
 from safeloc.catalogue import load_target
@@ -57,20 +57,20 @@ def test_kept_margins_are_of_this_content_alone(transmission: Target, tmp_path: 
     """A target with one property less has none: a stale margin is never shown."""
     store = Store(tmp_path)
     keep_margins(store, transmission, "world", limits())
-    assert margins_of(store, [transmission]) == {"transmission": {"world": limits()}}
-    assert margins_of(store, [replace(transmission, properties=transmission.properties[1:])]) == {}
+    assert MARGINS.of_targets(store, [transmission]) == {"transmission": {"world": limits()}}
+    assert MARGINS.of_targets(store, [replace(transmission, properties=transmission.properties[1:])]) == {}
 
 
 def test_a_report_in_the_cache_is_not_used_once_margins_are_kept(transmission: Target, tmp_path: Path) -> None:
     store = Store(tmp_path)
-    assert stamp(store) == ""
+    assert MARGINS.stamp(store) == ""
     keep_margins(store, transmission, "world", limits())
-    first = stamp(store)
+    first = MARGINS.stamp(store)
     keep_margins(store, transmission, "world", limits())
-    assert stamp(store) == first
+    assert MARGINS.stamp(store) == first
     keep_margins(store, transmission, "pairs", [FRONT])
-    assert stamp(store) != first
-    assert set(margins_of(store, [transmission])["transmission"]) == {"world", "pairs"}
+    assert MARGINS.stamp(store) != first
+    assert set(MARGINS.of_targets(store, [transmission])["transmission"]) == {"world", "pairs"}
 
 
 def test_the_page_shows_each_limit_and_what_ends_it(transmission: Target) -> None:

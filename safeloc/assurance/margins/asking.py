@@ -117,7 +117,7 @@ class Asking:
 
         If so, this run is the answer at these values.
         """
-        key, given = _key(values), self._runs[_key(broken_at)]
+        key, known = _key(values), self._runs[_key(broken_at)]
         if key in self._answers:
             return self._answers[key].end == "broken"
         asked = self._claims_at(key)
@@ -126,8 +126,8 @@ class Asking:
         system, every = asked
         limits = self._share(_ALONG_SHARE)
         for prop in every:
-            if prop.name == given.claim:
-                run = along(observe(system, replace(prop, kept_by=None)), given.trace, limits)
+            if prop.name == known.claim:
+                run = along(observe(system, replace(prop, kept_by=None)), known.trace, limits)
                 if run is not None:
                     self._answers[key] = self._broken(prop, run, key)
         return key in self._answers
@@ -175,8 +175,8 @@ class Asking:
 
     def _allows_no_more(self, system: TransitionSystem) -> bool:
         """True if the assumption implies the original one: what was proved of the original holds here too."""
-        given = [in_range(system.state), environment(system)]
-        query = Query(f"{system.name}: the moved world allows no more", given, {"": self._target.system.assume})
+        hypotheses = [in_range(system.state), environment(system)]
+        query = Query(f"{system.name}: the moved world allows no more", hypotheses, {"": self._target.system.assume})
         return not unproved(query, self._limits.seconds)
 
     def _chosen(self, every: Iterable[Property]) -> list[Property]:

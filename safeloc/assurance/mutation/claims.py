@@ -42,12 +42,12 @@ class Claim:
 class Layer:
     """Claims with the same assumption: `system` has this assumption, and their observers.
 
-    given  ranges and lemmas of earlier layers, which proofs of this layer use
+    hypotheses  ranges and lemmas of earlier layers, which proofs of this layer use
     """
 
     system: TransitionSystem
     claims: tuple[Claim, ...]
-    given: tuple[Claim, ...]
+    hypotheses: tuple[Claim, ...]
 
 
 class Canon:
@@ -94,7 +94,7 @@ def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = (
 
     under_assumption  lemmas that read no ghost, but hold only under the assumption
     """
-    system = _settled(declared.lowered(), canon)
+    system = settled(declared.lowered(), canon)
     goals = [observe(system, prop) for prop in declared.properties if prop.kind != "reachable"]
     free = [goal for goal in goals if goal.prop.unconditional and goal.prop.further_assumption is TRUE]
     bound = [goal for goal in goals if not goal.prop.unconditional and goal.prop.further_assumption is TRUE]
@@ -112,7 +112,7 @@ def held(declared: Declared, canon: Canon, under_assumption: Collection[str] = (
     return Held(declared, system, (board, world, *further), dict(_exclusions(declared.machine, canon)))
 
 
-def _settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
+def settled(system: TransitionSystem, canon: Canon) -> TransitionSystem:
     """Return the system with its terms replaced by the shared nodes."""
     share = canon.share
     return replace(
@@ -139,7 +139,7 @@ def _facts(system: TransitionSystem, under_assumption: Collection[str]) -> tuple
 
 
 def _layer(
-    system: TransitionSystem, goals: list[Goal], facts: tuple[Claim, ...], given: tuple[Claim, ...], canon: Canon
+    system: TransitionSystem, goals: list[Goal], facts: tuple[Claim, ...], hypotheses: tuple[Claim, ...], canon: Canon
 ) -> Layer:
     watched = watch(system, goals)
     settle = canon.observers(watched.observers)
@@ -158,7 +158,7 @@ def _layer(
     claims = [Claim("property", goal.prop.name, canon.share.bool(settle.bool(goal.good)), goal) for goal in goals]
     helpers = [Claim("helper", goal.prop.name, _helper(goal, settle, canon), goal) for goal in goals if goal.observers]
     facts = tuple(replace(one, good=canon.share.bool(one.good)) for one in facts)
-    return Layer(made, (*claims, *facts, *helpers), given)
+    return Layer(made, (*claims, *facts, *helpers), hypotheses)
 
 
 def _helper(goal: Goal, settle: Substitution, canon: Canon) -> Bool:

@@ -14,9 +14,9 @@ from safeloc.assurance.mutation.judge_machine_mutant import with_outcome
 from safeloc.assurance.mutation.members import Composed, member_mutants
 from safeloc.assurance.mutation.mutants import Mutant, sample
 from safeloc.assurance.mutation.places import Places
-from safeloc.assurance.mutation.results import BY_PROOF, SET_ASIDE, SURVIVED, Judged, Outcome, from_data
+from safeloc.assurance.mutation.results import BY_PROOF, SET_ASIDE, Judged, Outcome, from_data
 from safeloc.assurance.mutation.wires import WireEdit, wire_edits
-from safeloc.assurance.mutation.work import Judging, OnJudged, Plan
+from safeloc.assurance.mutation.work import Judging, OnJudged, Plan, lost
 from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import asked
@@ -103,7 +103,7 @@ class JudgingComposed:
             return [self._batch([_piece(on, by_id[one], alone, wires) for one in chunk], chunk) for chunk in chunks]
 
         for name, data in kept_or_done([*by_id], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.plan.jobs):
-            found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
+            found[name] = lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
             self.on_judged(found[name])
         return found
 
@@ -152,8 +152,3 @@ def _together(on: CompositionBench, mutant: Mutant, alone: Judged) -> Judged:
         everywhere = of_member(on, mutant, everywhere=True) if _is_open(alone.everywhere) else alone.everywhere
     seconds = round(alone.seconds + time.monotonic() - started, 3)
     return replace(alone, alone=only, everywhere=everywhere, seconds=seconds)
-
-
-def _lost(mutant: Mutant, why: Lost) -> Judged:
-    outcome = Outcome(SURVIVED, (), f"not judged: {why.reason}")
-    return with_outcome(mutant, outcome, outcome, 0.0)

@@ -47,10 +47,10 @@ def _on_board(system: TransitionSystem) -> list[Var]:
 def _same_step(known: Held, mutant: Held, canon: Canon, limits: Limits, *, layers: int) -> bool:
     one, other = known.system, mutant.system
     facts = _facts(known, layers)
-    given = [environment(one, assume=layers > 1), *facts]
+    hypotheses = [environment(one, assume=layers > 1), *facts]
     moved = {var.name: (one.next[var], other.next[var]) for var in _on_board(one)}
     told = {name: (term, other.outputs[name]) for name, term in one.outputs.items()}
-    questions = ((given, _changed(moved)), ([in_range(one.state), *facts], _changed(told)))
+    questions = ((hypotheses, _changed(moved)), ([in_range(one.state), *facts], _changed(told)))
     return not any(canon.asked.failures(*question, limits.seconds) for question in questions)
 
 
@@ -147,5 +147,5 @@ class Side:
         """Return whether the goals follow from the relations in `kept`."""
         return not self._fails(list(kept.values()), goals)
 
-    def _fails(self, given: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:
-        return self._canon.asked.failures([*self._facts, *given], goals, self._limits.seconds)
+    def _fails(self, hypotheses: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:
+        return self._canon.asked.failures([*self._facts, *hypotheses], goals, self._limits.seconds)

@@ -119,8 +119,11 @@ def excluded(mutant: Held, known: Held, canon: Canon, limits: Limits) -> list[st
     """Return the pairs of rows that were not proved exclusive for all inputs in range; unchanged pairs are not asked."""
     changed = {name: term for name, term in mutant.exclusions.items() if term is not known.exclusions.get(name)}
     board = mutant.layers[0]
-    given = [environment(board.system, assume=False), *(claim.good for claim in board.claims if claim.goal is None)]
-    return list(canon.asked.failures(given, changed, limits.seconds)) if changed else []
+    hypotheses = [
+        environment(board.system, assume=False),
+        *(claim.good for claim in board.claims if claim.goal is None),
+    ]
+    return list(canon.asked.failures(hypotheses, changed, limits.seconds)) if changed else []
 
 
 def impossible(
@@ -144,8 +147,8 @@ def impossible(
         if ("mode", label.value) in seen:
             continue
         goals[f"mode {label.label} is come to"] = mode.ne(label).implies(after.bool(mode.ne(label)))
-    given = [environment(system, assume=lawful), *(claim.good for claim in board.claims if claim.goal is None)]
-    possible = canon.asked.failures(given, goals, limits.seconds)
+    hypotheses = [environment(system, assume=lawful), *(claim.good for claim in board.claims if claim.goal is None)]
+    possible = canon.asked.failures(hypotheses, goals, limits.seconds)
     never = set(goals) - set(possible)
     return [*sorted(never), *_unreachable(mutant, canon, limits)]
 
@@ -206,10 +209,10 @@ def _usable(layer: Layer, number: int, hard: frozenset[_Asked]) -> Sequence[Clai
 
 def _step(layer: Layer, number: int, canon: Canon, hard: frozenset[_Asked]) -> _Question:
     claims, after = _usable(layer, number, hard), Substitution(dict(layer.system.next))
-    given = [claim.good for claim in (*layer.given, *claims)]
+    hypotheses = [claim.good for claim in (*layer.hypotheses, *claims)]
     allowed = canon.share.bool(environment(layer.system))
     goals = {str(claim): canon.share.bool(after.bool(claim.good)) for claim in claims}
-    return _Question((allowed, *given), goals)
+    return _Question((allowed, *hypotheses), goals)
 
 
 def _start(layer: Layer, number: int, canon: Canon, hard: frozenset[_Asked]) -> _Question:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.assurance.mutation import results
-from safeloc.assurance.mutation.claims import Canon, Layer, layer_of, variable
+from safeloc.assurance.mutation.claims import Canon, Layer, layer_of, settled, variable
 from safeloc.assurance.mutation.corpus import Run, recorded
 from safeloc.assurance.mutation.equivalence import equal
 from safeloc.assurance.mutation.members import Composed, joined
@@ -35,7 +35,7 @@ class _Question:
     """A question about a composition: does a contract or a claim follow?"""
 
     name: str
-    given: tuple[Bool, ...]
+    hypotheses: tuple[Bool, ...]
     goal: Bool
 
 
@@ -125,8 +125,8 @@ def _is_equivalent(on: CompositionBench, system: TransitionSystem) -> bool:
         (facts, told),
     )
     return not any(
-        on.canon.asked.failures(relevant.select(given, goals), {"": all_of(goals)}, on.limits.seconds)
-        for given, goals in questions
+        on.canon.asked.failures(relevant.select(hypotheses, goals), {"": all_of(goals)}, on.limits.seconds)
+        for hypotheses, goals in questions
         if goals
     )
 
@@ -138,14 +138,7 @@ def shared(system: TransitionSystem, canon: Canon) -> TransitionSystem:
         replace(part, inputs_in_range=share.bool(part.inputs_in_range), contract=share.bool(part.contract))
         for part in system.parts
     ]
-    return replace(
-        system,
-        init=share.bool(system.init),
-        next={var: share(term) for var, term in system.next.items()},
-        assume=share.bool(system.assume),
-        outputs={name: share(term) for name, term in system.outputs.items()},
-        parts=tuple(parts),
-    )
+    return replace(settled(system, canon), parts=tuple(parts))
 
 
 # ------------------------------------------------------------------ contracts and claims
@@ -163,8 +156,8 @@ def _questions(system: TransitionSystem, claims: Sequence[Property], canon: Cano
             (contract_text(part.name), part.contract),
         ):
             if term is not TRUE:
-                given = relevant.select([lawful, *before, *known], [term])
-                yield _Question(words, tuple(given), canon.share.bool(term))
+                hypotheses = relevant.select([lawful, *before, *known], [term])
+                yield _Question(words, tuple(hypotheses), canon.share.bool(term))
         known += [after.bool(term) for term in own]
     contracts = [part.contract for part in system.parts]
     for prop in claims:
@@ -179,8 +172,8 @@ def _of_claim(
     moves = {variable(settle(var)): settle(goal.system.next[var]) for var in goal.observers}
     good = settle.bool(goal.good & goal.helper & in_range(goal.observers))
     wanted = canon.share.bool(Substitution({**system.next, **moves}).bool(good))
-    given = relevant.select([environment(goal.plain), *known], [wanted, good])
-    return _Question(f"property {prop.name}", (*given, good), wanted)
+    hypotheses = relevant.select([environment(goal.plain), *known], [wanted, good])
+    return _Question(f"property {prop.name}", (*hypotheses, good), wanted)
 
 
 def _facts(system: TransitionSystem, number: int) -> list[Bool]:
@@ -192,7 +185,7 @@ def _facts(system: TransitionSystem, number: int) -> list[Bool]:
 
 
 def _fails(one: _Question, canon: Canon, limits: Limits) -> bool:
-    return bool(canon.asked.failures(one.given, {"": one.goal}, limits.seconds))
+    return bool(canon.asked.failures(one.hypotheses, {"": one.goal}, limits.seconds))
 
 
 def _layer(system: TransitionSystem, claims: Sequence[Property], canon: Canon) -> Layer:

@@ -46,9 +46,9 @@ def _left(how: Relation) -> Outcome:
 def _relation(on: Bench, made: Held) -> Relation:
     """Return the relation of the mutant's world to the original; what is not decided within the limit counts as not following."""
     old, new = on.unchanged.system, made.system
-    given = [in_range(old.state), environment(old, assume=False)]
+    hypotheses = [in_range(old.state), environment(old, assume=False)]
     follows, returns = (
-        not on.canon.asked.failures([*given, one.assume], {"": other.assume}, on.limits.seconds)
+        not on.canon.asked.failures([*hypotheses, one.assume], {"": other.assume}, on.limits.seconds)
         for one, other in ((old, new), (new, old))
     )
     if follows:
@@ -76,8 +76,8 @@ def _shut_out(on: Bench, made: Held) -> Outcome | None:
             return Outcome(results.EXCLUDED, (), f"{path.run.name}, step {steps + 1}")
         seen |= trails[path.run.name].seen(steps)
     facts = [claim.good for claim in on.unchanged.layers[0].claims if claim.goal is None]
-    given = [in_range(made.system.state), environment(made.system), *facts]
-    if not on.canon.asked.failures(given, {"": FALSE}, on.limits.seconds):
+    hypotheses = [in_range(made.system.state), environment(made.system), *facts]
+    if not on.canon.asked.failures(hypotheses, {"": FALSE}, on.limits.seconds):
         return Outcome(results.NEVER, ("no step is lawful",), "the clauses contradict each other")
     never = impossible(made, seen, on.canon, on.limits, lawful=True)
     if never:

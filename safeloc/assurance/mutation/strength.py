@@ -6,20 +6,16 @@ detects at least one mutant of the rows that implement it.
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
-from safeloc.assurance.kept_work import Keeping
+from safeloc.assurance.kept_results import KeptResults
 from safeloc.assurance.mutation.results import BY_PROOF, Judged, kills_alone, of_part, score
 from safeloc.proof.cache.store import Store
-from safeloc.proof.cache.targets import asked
 from safeloc.target import Target
 
-_KIND = "mutation strength"
-_LATEST = "latest"
+STRENGTHS = KeptResults("mutation strength")
 Strengths = Mapping[str, Sequence["Strength"]]
 """For each requirement, its strength in each target."""
 
@@ -93,21 +89,12 @@ def keep_strengths(store: Store, target: Target, judged: Sequence[Judged], of: i
     found = strengths(target, judged, of)
     had = kept_strengths(store, target)
     if found and max((one.judged for one in had.values()), default=0) <= len(of_part(judged, "machine")):
-        data = {name: asdict(one) for name, one in found.items()}
-        _keeping(store, target).keep("all", data)
-        before = stamp(store) + json.dumps(data)
-        store.put(_KIND, _LATEST, hashlib.sha256(before.encode()).hexdigest().encode())
-
-
-def stamp(store: Store) -> str:
-    """Return a value that changes whenever strengths are stored, so that a cached report with old ones is not used."""
-    entry = store.get(_KIND, _LATEST)
-    return "" if entry is None else entry.data.decode()
+        STRENGTHS.keep(store, target, {name: asdict(one) for name, one in found.items()})
 
 
 def kept_strengths(store: Store | None, target: Target) -> dict[str, Strength]:
     """Return the strengths stored for this target; none if it was never judged, or has changed since."""
-    data = None if store is None else _keeping(store, target).kept("all")
+    data = None if store is None else STRENGTHS.kept(store, target)
     return {} if data is None else {name: Strength(**one) for name, one in data.items()}
 
 
@@ -118,10 +105,6 @@ def strengths_of(store: Store | None, targets: Iterable[Target]) -> dict[str, li
         for name, one in kept_strengths(store, target).items():
             found.setdefault(name, []).append(one)
     return found
-
-
-def _keeping(store: Store, target: Target) -> Keeping:
-    return Keeping(_KIND, asked(target, _KIND).key, store, store)
 
 
 def as_text(found: Sequence[Strength]) -> list[str]:

@@ -192,8 +192,8 @@ class _Flat:
     def _implied(self, one: Bool, other: Bool) -> bool:
         if one is other:
             return True
-        given = [in_range(variables([one, other])), one, *self._known]
-        return not self._canon.asked.failures(given, {"": other}, self._seconds)
+        hypotheses = [in_range(variables([one, other])), one, *self._known]
+        return not self._canon.asked.failures(hypotheses, {"": other}, self._seconds)
 
 
 def _by_name(terms: Sequence[Bool]) -> dict[Var, Expr]:

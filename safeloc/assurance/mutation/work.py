@@ -80,7 +80,7 @@ class Judging:
             return _batches(self._bench, [by_id[one] for one in left], judge)
 
         for name, data in kept_or_done([*by_id], work, Keeping(_KIND, key, self.look_in, self.keep_in), self.plan.jobs):
-            found[name] = _lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
+            found[name] = lost(by_id[name], data) if isinstance(data, Lost) else from_data(data)
             self.on_judged(found[name])
         return [found[mutant.id] for mutant in mutants]
 
@@ -109,7 +109,7 @@ def _work(
     return lambda: [asdict(judge(on, mutant)) for mutant in chunk]
 
 
-def _lost(mutant: Mutant, why: Lost) -> Judged:
+def lost(mutant: Mutant, why: Lost) -> Judged:
     """Return the result of a mutant whose process failed or took too long: it counts as survived."""
     outcome = Outcome(SURVIVED, (), f"not judged: {why.reason}")
     return with_outcome(mutant, outcome, outcome, 0.0)

@@ -18,6 +18,7 @@ from safeloc.language.terms import conjuncts, in_order
 from safeloc.language.units import Enumeration
 from safeloc.proof.around.intervals import Intervals
 from safeloc.proof.around.tube import Tube
+from safeloc.proof.provers.linear import constant_of
 
 CHOOSING = (Choose, ChooseBool, Min, Max)
 
@@ -77,11 +78,11 @@ class Course:
         self.inputs: list[Mapping[Var, Expr]] = []
         self._free: list[Sequence[Var]] = [free]
         known = Known(first, self.intervals.decide)
-        self.given: list[Sequence[Bool]] = [_parts(known, [piece.condition, *space.facts])]
+        self.of_each_cycle: list[Sequence[Bool]] = [_parts(known, [piece.condition, *space.facts])]
 
     def _first(self, var: Var, free: list[Var]) -> Expr:
         if var in self.piece.fixed:
-            return constant(var, self.piece.fixed[var])
+            return constant_of(var, self.piece.fixed[var])
         if isinstance(var, BoolVar):
             made: Var = BoolVar(f"{var.name}@{self.begin}")
         else:
@@ -106,7 +107,9 @@ class Course:
     def dead(self) -> bool:
         """Folding alone shows that no stream comes so far."""
         return any(
-            part is FALSE or (isinstance(part, Truth) and not part.value) for some in self.given for part in some
+            part is FALSE or (isinstance(part, Truth) and not part.value)
+            for some in self.of_each_cycle
+            for part in some
         )
 
     @property
@@ -129,12 +132,12 @@ class Course:
         known = Known({**state, **inputs}, decide)
         after = {var: known(term) for var, term in self.space.system.next.items()}
         after |= {var: of_tube(term) for var, term in cycle.moves.items()}
-        after |= {var: constant(var, value) for var, value in self.space.restarts.get(number, {}).items()}
+        after |= {var: constant_of(var, value) for var, value in self.space.restarts.get(number, {}).items()}
         allowed = [*_parts(of_tube, [cycle.allowed]), *_parts(known, [self._environment])]
         allowed += _parts(Known(after, decide), [cycle.after]) if cycle.after is not TRUE else []
         self.inputs.append(inputs)
         self._free.append(cycle.free)
-        self.given.append(allowed)
+        self.of_each_cycle.append(allowed)
         self.states.append(after)
 
     def at(self, term: Expr, cycle: int) -> Expr:
@@ -145,11 +148,11 @@ class Course:
         """Return what holds of all streams up to a cycle."""
         count = cycle - self.begin + 1
         free = [var for some in self._free[:count] for var in some]
-        return [in_range(free), *(part for some in self.given[:count] for part in some)]
+        return [in_range(free), *(part for some in self.of_each_cycle[:count] for part in some)]
 
     def conditions(self, cycle: int) -> int:
         """Return the number of conditions up to a cycle, ranges apart."""
-        return sum(map(len, self.given[: cycle - self.begin + 1]))
+        return sum(map(len, self.of_each_cycle[: cycle - self.begin + 1]))
 
     # -------------------------------------------------------------- a single stream
 
@@ -175,11 +178,6 @@ class Course:
 
 def _at_rest(var: Var) -> Value:
     return canonical(var) if isinstance(var, NumVar) else False
-
-
-def constant(var: Var, value: Value) -> Expr:
-    """Return a value of a variable as a constant."""
-    return Lit(int(value), var.unit) if isinstance(var, NumVar) else Truth(bool(value))
 
 
 def within(term: Num, bounds: Bounds) -> Bool:

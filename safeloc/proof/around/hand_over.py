@@ -18,9 +18,10 @@ from safeloc.language.interpret import evaluate
 from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.terms import in_order
-from safeloc.proof.around.course import CHOOSING, Course, Piece, constant, within
+from safeloc.proof.around.course import CHOOSING, Course, Piece, within
 from safeloc.proof.provers.implication import Refuted, countermodel, unproved
 from safeloc.proof.provers.limits import Deadline
+from safeloc.proof.provers.linear import constant_of
 from safeloc.proof.provers.settle import settled
 
 _MOST_PIECES = 12
@@ -60,7 +61,7 @@ class _Ending:
 
     def __post_init__(self) -> None:
         self.state = self.course.states[-1]
-        self.given = self.course.hypotheses(self.course.end)
+        self.hypotheses = self.course.hypotheses(self.course.end)
         self.texts: dict[str, str] = {}
         self.labels = [
             var
@@ -75,7 +76,7 @@ class _Ending:
         if len(found) > _MOST_PIECES:
             return HandedOver([self._piece({})], self.texts)
         if self.labels:
-            self._prove(self.given, {0: any_of(self._is(one) for one in found)}, "modes and flags")
+            self._prove(self.hypotheses, {0: any_of(self._is(one) for one in found)}, "modes and flags")
         return HandedOver([self._piece(one) for one in found], self.texts)
 
     # -------------------------------------------------------------- modes and flags
@@ -85,7 +86,7 @@ class _Ending:
         found: list[Labels] = []
         while len(found) <= _MOST_PIECES:
             none = all_of(~self._is(one) for one in found)
-            values = countermodel(Query("another", self.given, {0: ~none}), self.ends.left)
+            values = countermodel(Query("another", self.hypotheses, {0: ~none}), self.ends.left)
             if values is None:
                 break
             last = self.course.last_state(values)
@@ -107,14 +108,14 @@ class _Ending:
             for var, term in state.items()
             if isinstance(var, NumVar) and var not in fixed and isinstance(term, Num)
         }
-        given = [*self.given, self._is(labels)]
+        hypotheses = [*self.hypotheses, self._is(labels)]
         sure = {var: _kept(var, self.course.intervals(term)) for var, term in numbers.items()}
         ranges = {
-            var: self._narrowed(given, numbers[var], bounds) if self._is_rough(numbers[var]) else bounds
+            var: self._narrowed(hypotheses, numbers[var], bounds) if self._is_rough(numbers[var]) else bounds
             for var, bounds in sure.items()
         }
-        ranges |= {var: sure[var] for var in self._refuted(given, numbers, ranges)}
-        self._prove(given, self._folded_to(fixed, labels) | _bounded(self._unfolded(numbers), ranges), "ranges")
+        ranges |= {var: sure[var] for var in self._refuted(hypotheses, numbers, ranges)}
+        self._prove(hypotheses, self._folded_to(fixed, labels) | _bounded(self._unfolded(numbers), ranges), "ranges")
         return Piece(fixed, ranges)
 
     def _folded_to(self, fixed: Mapping[Var, Value], labels: Labels) -> dict[str, Bool]:
@@ -127,13 +128,13 @@ class _Ending:
         return {var: term for var in numbers if isinstance(term := self.state[var], Num)}
 
     def _refuted(
-        self, given: Sequence[Bool], numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]
+        self, hypotheses: Sequence[Bool], numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]
     ) -> list[NumVar]:
         """Return the numbers whose narrowed ranges some stream leaves: the solver gave up on a value there."""
         by_name = {var.name: var for var in numbers}
         rough = _bounded({var: term for var, term in numbers.items() if self._is_rough(term)}, ranges)
         return (
-            [by_name[key] for key in unproved(Query(f"{self.name} narrowed", given, rough), self.ends.left)]
+            [by_name[key] for key in unproved(Query(f"{self.name} narrowed", hypotheses, rough), self.ends.left)]
             if rough
             else []
         )
@@ -143,7 +144,7 @@ class _Ending:
         facts: dict[Expr, Expr] = {}
         for var, value in labels.items():
             term = self.state[var]
-            facts |= implied(term, bool(value)) if isinstance(term, Bool) else {term: constant(var, value)}
+            facts |= implied(term, bool(value)) if isinstance(term, Bool) else {term: constant_of(var, value)}
         known = Known(facts, self.course.intervals.decide)
         return {var: known(term) for var, term in self.state.items()}
 
@@ -151,43 +152,43 @@ class _Ending:
         """Return whether the bounds of a term may be wider than what streams reach, since it chooses among values."""
         return any(isinstance(node, CHOOSING) for node in in_order([term]))
 
-    def _narrowed(self, given: Sequence[Bool], term: Num, bounds: Bounds) -> Bounds:
+    def _narrowed(self, hypotheses: Sequence[Bool], term: Num, bounds: Bounds) -> Bounds:
         """Return bounds that some stream reaches, as far as the limits go."""
         low, high = bounds
-        reached = self._value(given, term, FALSE)
+        reached = self._value(hypotheses, term, FALSE)
         if reached is None:
             return bounds
         near = (high - low) // _PRECISION
-        return self._lower(given, term, low, reached, near), self._upper(given, term, reached, high, near)
+        return self._lower(hypotheses, term, low, reached, near), self._upper(hypotheses, term, reached, high, near)
 
-    def _lower(self, given: Sequence[Bool], term: Num, low: int, reached: int, near: int) -> int:
+    def _lower(self, hypotheses: Sequence[Bool], term: Num, low: int, reached: int, near: int) -> int:
         """Return the greatest proved lower bound, by bisection between a proved one and a value that is reached."""
         for _ in range(_MOST_TRIES):
             if reached - low <= near or self.ends.passed:
                 break
             middle = low if reached - low <= 1 else (low + reached) // 2
-            value = self._value(given, term, term > middle)
+            value = self._value(hypotheses, term, term > middle)
             if value is None:
                 low = middle + 1
             else:
                 reached = min(reached, value)
         return low
 
-    def _upper(self, given: Sequence[Bool], term: Num, reached: int, high: int, near: int) -> int:
+    def _upper(self, hypotheses: Sequence[Bool], term: Num, reached: int, high: int, near: int) -> int:
         for _ in range(_MOST_TRIES):
             if high - reached <= near or self.ends.passed:
                 break
             middle = high if high - reached <= 1 else (reached + high + 1) // 2
-            value = self._value(given, term, term < middle)
+            value = self._value(hypotheses, term, term < middle)
             if value is None:
                 high = middle - 1
             else:
                 reached = max(reached, value)
         return high
 
-    def _value(self, given: Sequence[Bool], term: Num, unless: Bool) -> int | None:
+    def _value(self, hypotheses: Sequence[Bool], term: Num, unless: Bool) -> int | None:
         """Return the value of a term in some stream in which the condition is false; None if there seems to be none."""
-        values = countermodel(Query("a value", given, {0: unless}), min(_VALUE_SECONDS, self.ends.left))
+        values = countermodel(Query("a value", hypotheses, {0: unless}), min(_VALUE_SECONDS, self.ends.left))
         if values is None:
             return None
         return int(self._evaluated(term, values))
@@ -198,9 +199,9 @@ class _Ending:
 
     # -------------------------------------------------------------- proofs
 
-    def _prove(self, given: Sequence[Bool], goals: Mapping[Any, Bool], what: str) -> None:
+    def _prove(self, hypotheses: Sequence[Bool], goals: Mapping[Any, Bool], what: str) -> None:
         """Let both solvers prove the goals; EngineError if one does not follow: then the set was computed wrongly."""
-        asked = settled(Query(f"{self.name} {what}", given, goals), self.ends)
+        asked = settled(Query(f"{self.name} {what}", hypotheses, goals), self.ends)
         wrong = [f"{key}: {why}" for key, why in asked.failed.items() if isinstance(why, Refuted)]
         if wrong and what != "modes and flags":
             raise EngineError(

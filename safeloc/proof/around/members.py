@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import FALSE, Var, all_of
-from safeloc.language.interpret import evaluate, holds, step
+from safeloc.language.interpret import evaluate, holds, stepped
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.proof.around.course import Course, Piece, Space, first_piece
@@ -43,12 +43,8 @@ def first_unlawful(system: TransitionSystem, member: Member) -> int | None:
     state = dict(member.first)
     if not holds(system.init, state):
         return 0
-    condition = environment(system)
-    for number, inputs in enumerate(member.stream, 1):
-        if not holds(condition, {**state, **inputs}):
-            return number
-        state, _ = step(system, state, inputs)
-    return None
+    lawful = sum(1 for _ in stepped(system, state, member.stream, while_=environment(system)))
+    return None if lawful == len(member.stream) else lawful + 1
 
 
 def member(space: Space, limits: Limits, cycles: int) -> Member | None:

@@ -19,9 +19,8 @@ from safeloc.language.expr import TRUE, Var, all_of
 from safeloc.language.first_values import Any_
 from safeloc.language.interpret import holds, named, start, step, taken
 from safeloc.language.nodes import Value
-from safeloc.language.spec import Goal, Property, observe, watch
+from safeloc.language.spec import Goal, Property, observe, speaks_of, watch
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world, without_ghosts
-from safeloc.language.terms import variables
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
 from safeloc.proof.around.claims import Asked
@@ -129,7 +128,7 @@ class _Run:
         """Return the result; a proof is vacuous if what the claim reads is absent in every cycle of the stream given."""
         if not isinstance(result, Proved) or asked.there is None or asked.there is TRUE:
             return result
-        system = self.board.system if _readable(asked.prop, self.board.system) else self.of.system
+        system = self.board.system if speaks_of(self.board.system, asked.prop) else self.of.system
         if system is self.of.system:
             return result
         watching = replace(asked.prop, name="there", term=~asked.there)
@@ -196,7 +195,7 @@ class _Run:
         """Decide claims in one tube, each in the first way that decides it."""
         found: list[tuple[Asked, Outcome, str]] = []
         left = list(asked)
-        on_board = [one for one in left if _readable(one.prop, self.board.system)]
+        on_board = [one for one in left if speaks_of(self.board.system, one.prop)]
         for one, broken in self._at_corners(on_board, tube).items():
             found.append((one, broken, "streams at the corners of the tube"))
             left.remove(one)
@@ -300,7 +299,7 @@ class _Run:
         if self._ends.passed:
             return None
         tube = self._tube(parts)
-        if _readable(asked.prop, self.board.system):
+        if speaks_of(self.board.system, asked.prop):
             found = self._breaking(self.board, asked, tube, cycle)
             if found is None or asked.prop.unconditional:
                 return found
@@ -406,13 +405,6 @@ def _open_first(system: TransitionSystem, values: Mapping[Var, Value]) -> dict[s
 def _plain(prop: Property) -> Property:
     """Return a property without its assumption, which the system that is run has."""
     return replace(prop, unconditional=False, further_assumption=TRUE)
-
-
-def _readable(prop: Property, system: TransitionSystem) -> bool:
-    """Return whether a system has all variables that a property reads."""
-    known: set[Var] = {*system.state, *system.inputs, *system.fired}
-    read = variables([prop.term, prop.response, prop.further_assumption])
-    return all((var if var.before is None else var.before) in known for var in read)
 
 
 def _alike(asked: Sequence[Asked]) -> list[list[Asked]]:

@@ -83,16 +83,16 @@ def _ask(
     other = replace(option.value, name=f"{option.value.name} (other)")
     swap = Substitution({option.value: other})
     alike = {(option.value.name, name): _same(term, swap(term)) for name, term in terms.items()}
-    given = [in_range([*system.inputs, other]), ~option.present, *known.always.values()]
+    hypotheses = [in_range([*system.inputs, other]), ~option.present, *known.always.values()]
     head, ends = about(system, "absence", of=option.value.name), deadline(limits.seconds)
     query = Query(
-        f"{system.name} absence of {option.value.name}", given, {option.value.name: all_of(alike.values())}, head
+        f"{system.name} absence of {option.value.name}", hypotheses, {option.value.name: all_of(alike.values())}, head
     )
     answer = settled(query, ends, list(known.certificates))  # one query for all: they share the hard terms
     found.texts |= {**known.certificates, **answer.texts}
     if not answer.failed:
         return
-    each = unproved(Query(query.name, given, alike), ends.left)
+    each = unproved(Query(query.name, hypotheses, alike), ends.left)
     found.failed |= {key: why for key, why in each.items() if isinstance(why, Undecided)}
     if not each:
         found.failed |= dict.fromkeys(alike, Undecided(UNCONFIRMED))

@@ -109,13 +109,13 @@ class _Asking:
             if one.unconditional or one in lawful:
                 self._search(one)
 
-    def _settle(self, rule: str, given: Sequence[Bool], alike: dict[Property, Bool], known: Base) -> None:
+    def _settle(self, rule: str, hypotheses: Sequence[Bool], alike: dict[Property, Bool], known: Base) -> None:
         """Keep the certificate of what follows, and take it out of `alike`."""
         if not alike:
             return
         name = self._option.value.name
         query = Query(
-            f"{self._system.name} {rule} of {name} in claims", given, alike, about(self._system, rule, of=name)
+            f"{self._system.name} {rule} of {name} in claims", hypotheses, alike, about(self._system, rule, of=name)
         )
         answer, follow = settled_but(query, self._ends, list(known.certificates))
         if answer.texts:

@@ -58,7 +58,7 @@ class _Computed:
 
     name: str
     terms: Sequence[Expr]
-    given: Sequence[Bool]
+    hypotheses: Sequence[Bool]
     unsure: Sequence[NumVar]
     lawful: bool
 
@@ -99,7 +99,7 @@ def _overflow(system: TransitionSystem, what: _Computed, known: Base, limits: Li
     wide = dict(enumerate(beyond_int64(what.terms), 1))
     every = len(in_order(what.terms))
     by_bounds = f"{every - len(wide)} of {every} terms stay within 64 bits by the bounds of their parts"
-    query = Query(f"{system.name} {what.name}", what.given, _within(wide), about(system, what.name))
+    query = Query(f"{system.name} {what.name}", what.hypotheses, _within(wide), about(system, what.name))
     asked, rest = settled_but(query, deadline(limits.seconds), list(known.certificates))
     texts = {**known.certificates, **asked.texts} if rest else {}
     by_solvers = rechecked_in_words(f"{by_bounds}; {len(wide)} by z3", confirmed_by(asked.texts))

@@ -12,7 +12,7 @@ from enum import Enum
 
 import z3
 
-from safeloc.codegen.smt import Terms, constant
+from safeloc.codegen.smt import Terms, constant, value_of
 from safeloc.language.expr import Bool, NumVar, Var, all_of, any_of
 from safeloc.language.interpret import holds
 from safeloc.language.nodes import Value
@@ -94,13 +94,7 @@ def _lawful(
     for name, wish in given_up.items():
         if ask(solver, ends.left, *wished.values(), wish) == z3.sat:
             wished[name], model = wish, solver.model()
-    return {var: _value_of(model, term) for var, term in named.items()}
-
-
-def _value_of(model: z3.ModelRef, term: z3.ExprRef) -> Value:
-    """Return the model's value of a term."""
-    value = model.eval(term, model_completion=True)
-    return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
+    return {var: value_of(model, term) for var, term in named.items()}
 
 
 class Cover:
@@ -194,4 +188,4 @@ class _Asked:
     def state(self) -> State:
         """Return the state that the solver found."""
         model, inputs = self._solver.model(), set(self._group.inputs)
-        return {var: _value_of(model, term) for var, term in self._named.items() if var not in inputs}
+        return {var: value_of(model, term) for var, term in self._named.items() if var not in inputs}

@@ -19,7 +19,7 @@ from safeloc.codegen.smt import Unrolling
 from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.errors import InputError
 from safeloc.language.expr import TRUE, Bool, all_of
-from safeloc.language.interpret import start, step
+from safeloc.language.interpret import start, stepped
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal, Property, always, observe
 from safeloc.language.system import TransitionSystem
@@ -189,8 +189,10 @@ class _Search:
     def _inductive(self, k: int, ends: Deadline) -> Learned:
         """Check that k covered states are followed by a covered one; learn witness functions as long as that helps."""
         unrolling = Unrolling(self.system)
-        given = [all_of([*self.known.everything, *self.known.kept.values()])] * k
-        steps = [part for at, term in enumerate(given) for part in (unrolling.at(term, at), unrolling.transition(at))]
+        conditions = [all_of([*self.known.everything, *self.known.kept.values()])] * k
+        steps = [
+            part for at, term in enumerate(conditions) for part in (unrolling.at(term, at), unrolling.transition(at))
+        ]
         while not ends.passed:
             covered, solver = self._covered(), new_solver()
             solver.add(*steps, *(unrolling.at(covered, at) for at in range(k)))
@@ -277,10 +279,9 @@ def _of_state(system: TransitionSystem, named: Mapping[str, Value]) -> State:
 
 
 def _after(system: TransitionSystem, first: Inputs, stream: Sequence[Inputs]) -> State:
-    state = start(system, first)
-    for record in stream:
-        state, _ = step(system, state, {var: record[var.name] for var in system.inputs})
-    return state
+    begin = start(system, first)
+    rows = ({var: record[var.name] for var in system.inputs} for record in stream)
+    return [begin, *(after for _, after, _ in stepped(system, begin, rows))][-1]
 
 
 # ------------------------------------------------------------------ the further assumption of a property

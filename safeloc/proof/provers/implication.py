@@ -11,7 +11,7 @@ from typing import Any
 
 import z3
 
-from safeloc.codegen.smt import Terms, constant, implied, require
+from safeloc.codegen.smt import Terms, constant, implied, require, value_of
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.language.expr import Bool, Var
 from safeloc.language.nodes import Value
@@ -156,7 +156,7 @@ class _Asked:
         if ask(solver, ends.left) != z3.sat:
             return None
         model = solver.model()
-        return {var: _value(model, term) for var, term in self._named.items()}
+        return {var: value_of(model, term) for var, term in self._named.items()}
 
     def together(self, ends: Deadline) -> dict[Any, Failure]:
         """Ask for all goals left together: each model refutes the goals that are false in it, until the rest follows or
@@ -199,9 +199,6 @@ class _Asked:
         return solver
 
     def _refuted(self, key: Any, model: z3.ModelRef) -> Refuted:
-        return Refuted({var.name: shown(var, _value(model, self._named[var])) for var in variables([self._goals[key]])})
-
-
-def _value(model: z3.ModelRef, term: z3.ExprRef) -> Value:
-    value = model.eval(term, model_completion=True)
-    return int(value.as_long()) if isinstance(value, z3.IntNumRef) else z3.is_true(value)
+        return Refuted(
+            {var.name: shown(var, value_of(model, self._named[var])) for var in variables([self._goals[key]])}
+        )

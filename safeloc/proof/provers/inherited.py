@@ -117,11 +117,11 @@ class _Proof:
         """Prove by both solvers that the term holds in every step; a failure goes into `refuted`."""
         known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
         states = [] if always else list(found.facts.values())
-        given = [self._free if always else self._lawful, *known]
-        given += [self._after.bool(one) for one in (*found.always.values(), *states)]
+        hypotheses = [self._free if always else self._lawful, *known]
+        hypotheses += [self._after.bool(one) for one in (*found.always.values(), *states)]
         for number, goals in enumerate(self._alike(term), 1):
             head = about(self._system, fact.kind, of=fact.of, group=number)
-            wanted = self._relevance.select(given, goals.values())
+            wanted = self._relevance.select(hypotheses, goals.values())
             query = Query(f"{self._system.name} {fact} {number}", wanted, goals, head)
             failed = unproved(query, self.ends.left)
             if not failed:

@@ -32,9 +32,9 @@ def overlap(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
 
 def _overlap(system: TransitionSystem, machine: Machine, limits: Limits) -> Iterator[Obligation]:
     known, both = base(system, seconds=limits.seconds), _enabled_together(machine)
-    given = [environment(system, assume=False), *known.always.values()]
+    hypotheses = [environment(system, assume=False), *known.always.values()]
     head = about(system, "overlap", machine=machine.name)
-    query = Query(f"{system.name} overlap", given, {rows: ~term for rows, term in both.items()}, head)
+    query = Query(f"{system.name} overlap", hypotheses, {rows: ~term for rows, term in both.items()}, head)
     asked, rest = settled_but(query, deadline(limits.seconds), list(known.certificates))
     statement = f"transitions of one rank of {machine.name} exclude each other"
     if not both:

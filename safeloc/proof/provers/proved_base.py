@@ -59,21 +59,21 @@ class _Layer:
 
     first    condition on the first state
     allowed  condition on every step
-    given    facts of earlier layers
+    hypotheses  facts of earlier layers
     """
 
     system: TransitionSystem
     name: str
     first: Bool
     allowed: Bool
-    given: Sequence[Bool]
+    hypotheses: Sequence[Bool]
     relies_on: Sequence[str]
 
     def queries(self, kept: Mapping[Fact, Bool]) -> tuple[Query[Fact], Query[Fact]]:
         """Return the queries for initiation and consecution of the conjunction."""
         system, after = self.system, Substitution(dict(self.system.next))
-        first = [self.first, in_range(system.state), *self.given]
-        step = [self.allowed, *self.given, *kept.values()]
+        first = [self.first, in_range(system.state), *self.hypotheses]
+        step = [self.allowed, *self.hypotheses, *kept.values()]
         later = {key: after.bool(term) for key, term in kept.items()}
         return self._query("start", first, dict(kept)), self._query("step", step, later)
 

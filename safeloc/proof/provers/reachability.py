@@ -258,7 +258,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: 
     watched, relevance = watch(goals[0].plain, goals), Relevance(goals[0].original)
     one = not goals[0].original.parts
     seconds = limits.seconds * (share or (EXCLUSION_OF_ONE if one else EXCLUSION))
-    given = [environment(watched.system), *facts]
+    hypotheses = [environment(watched.system), *facts]
     after = Substitution(dict(watched.system.next))
     later = {number: goal.good.implies(after.bool(goal.good)) for number, goal in enumerate(goals)}
     alike: dict[frozenset[int], list[int]] = {}
@@ -268,7 +268,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: 
     possible = set(unproved(start, limits.seconds))
     for numbers in alike.values():
         wanted = {number: later[number] for number in numbers if number not in possible}
-        step = Query("step", relevance.select(given, wanted.values()), wanted)
+        step = Query("step", relevance.select(hypotheses, wanted.values()), wanted)
         possible |= set(unproved(step, seconds, core_seconds=seconds / 5))
     return {goal for number, goal in enumerate(goals) if number not in possible}
 

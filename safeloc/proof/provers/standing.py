@@ -39,11 +39,11 @@ class Standing:
     def failures(self, hypotheses: Sequence[Bool], goals: Mapping[Key, Bool], seconds: float) -> dict[Key, bool]:
         """Return the goals that do not follow: True if a counterexample refutes the goal, False if it is undecided."""
         asked = {key: self._translated(goal) for key, goal in goals.items()}
-        given = [self._translated(term) for term in hypotheses]
-        return self._failures(given, asked, seconds)
+        premises = [self._translated(term) for term in hypotheses]
+        return self._failures(premises, asked, seconds)
 
     def _failures(
-        self, given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float
+        self, premises: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float
     ) -> dict[Key, bool]:
         """Decide goals together, and halve a set that is undecided; each part has the whole limit."""
         failed = dict[Key, bool]()
@@ -53,7 +53,7 @@ class Standing:
             if len(part) > self._together:
                 waiting = [*_halves(part), *waiting]
                 continue
-            found = _decided(given, part, seconds)
+            found = _decided(premises, part, seconds)
             undecided = {key: goal for key, goal in part.items() if found.get(key) is False}
             failed |= found
             if len(undecided) > 1:
@@ -69,11 +69,11 @@ class Standing:
         return self._terms.bool(term)
 
 
-def _decided(given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float) -> dict[Key, bool]:
+def _decided(premises: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float) -> dict[Key, bool]:
     """Decide goals together; return True for each refuted goal and False for each undecided one."""
     failed, left, ends = dict[Key, bool](), dict(goals), deadline(seconds)
     while left:
-        false = _false(given, left, ends)
+        false = _false(premises, left, ends)
         if false is None:
             return failed | dict.fromkeys(left, False)
         if not false:
@@ -89,10 +89,10 @@ def _halves(goals: dict[Key, z3.BoolRef]) -> list[dict[Key, z3.BoolRef]]:
     return [{key: goals[key] for key in part} for part in parts if part]
 
 
-def _false(given: Sequence[z3.BoolRef], left: Mapping[Key, z3.BoolRef], ends: Deadline) -> list[Key] | None:
+def _false(premises: Sequence[z3.BoolRef], left: Mapping[Key, z3.BoolRef], ends: Deadline) -> list[Key] | None:
     """Return the goals that one model makes false: no goals if all follow, None if that is undecided."""
     solver = plain_solver()
-    solver.add(*given, z3.Not(z3.And(*left.values())))
+    solver.add(*premises, z3.Not(z3.And(*left.values())))
     answer = ask(solver, ends.left)
     if answer == z3.unknown:
         return None

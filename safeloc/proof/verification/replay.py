@@ -12,14 +12,13 @@ from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
 from safeloc.language.absence import stand_ins, without_absent
-from safeloc.language.expr import Num, Var
+from safeloc.language.expr import Num
 from safeloc.language.interpret import read_inputs
 from safeloc.language.monitor import Checks
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
-from safeloc.language.spec import Property
+from safeloc.language.spec import Property, speaks_of
 from safeloc.language.system import TransitionSystem, without_ghosts
-from safeloc.language.terms import variables
 from safeloc.language.trace import Trace, shown
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Held, NotAsked, Result, Unknown, Violated
@@ -152,7 +151,7 @@ def _asked(target: Target, *, with_truth: bool) -> _Asked:
     if with_truth not in known:
         system = target.system if with_truth else without_ghosts(target.system)
         every = [prop for prop in target.properties if prop.kind != "reachable"]
-        properties = [prop for prop in every if _is_applicable(prop, system)]
+        properties = [prop for prop in every if speaks_of(system, prop)]
         unchecked = [prop for prop in every if prop not in properties]
         known[with_truth] = _Asked(system, properties, unchecked, Checks(system, properties, Quick))
     return known[with_truth]
@@ -208,7 +207,7 @@ def recorded_run(target: Target, path: Path, prop: Property) -> Trace | None:
     """Return a recording as a run of the machine, on board if it has no ghosts; None if the property reads what the recording lacks."""
     stream, _ = read_recording(target, path)
     system = target.system if has_truth(target, stream) else without_ghosts(target.system)
-    return run_of(system, path, stream) if _is_applicable(prop, system) else None
+    return run_of(system, path, stream) if speaks_of(system, prop) else None
 
 
 def has_truth(target: Target, stream: StepStream) -> bool:
@@ -292,13 +291,6 @@ def _truth_mm(path: Path, stream: StepStream, index: int) -> int | None:
     if truth is None or (isinstance(truth, int) and not isinstance(truth, bool)):
         return truth
     raise StreamError(f"{path}:{stream.lines[index]}: truth_mm is {truth!r}; give whole mm, or leave it out.")
-
-
-def _is_applicable(prop: Property, system: TransitionSystem) -> bool:
-    """Return whether the system has all variables that the property reads."""
-    known: set[Var] = {*system.state, *system.inputs, *system.fired}
-    read = variables([prop.term, prop.response, prop.further_assumption])
-    return all((var if var.before is None else var.before) in known for var in read)
 
 
 def _finding(target: Target, path: Path, prop: Property, verdict: Result, started: float) -> Finding:

@@ -25,7 +25,7 @@ from safeloc.language.expr import (
     number,
     with_unit,
 )
-from safeloc.language.interpret import fired_names, holds, read_inputs, start, step
+from safeloc.language.interpret import start, taken
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_num, observe
 from safeloc.language.system import TransitionSystem, lower
@@ -215,13 +215,9 @@ def broken_beyond(one: Watched, held: HeldStretch) -> int | None:
     interpreter; None if it does not, or if the run breaks a law of the world.
     """
     system = one.system
-    state = start(system, held.first)
-    for cycle, record in enumerate(held.steps):
-        inputs = read_inputs(system, record)
-        if not holds(system.assume, {**state, **inputs}):
-            return None
-        state, fired = step(system, state, inputs)
-        if WITHDRAWN in fired_names(fired).values():
+    made = taken(system, start(system, held.first), held.steps, while_=system.assume)
+    for cycle, (moved, state) in enumerate(made):
+        if WITHDRAWN in moved.fired.values():
             near = int(state[one.run]) <= (held.run_mm + 1) * NM_PER_MM
             return cycle if near and state[one.forwards] else None
     return None

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from safeloc.sensing.satellite.places import Vector
+from safeloc.sensing.satellite.places import Vector, dot
 from safeloc.sensing.satellite.solution import Look, Solution, Solved, Weighting
 from safeloc.sensing.satellite.track_fit import TrackFit
 
@@ -87,8 +87,8 @@ def _again(
     weights = [1.0 if weighting == "equal" else _by_elevation(one.elevation_rad) for one in seen]
     clocks = sorted({name[0] for name in names})
     columns = [[float(name[0] == clock) for name in names] for clock in clocks]
-    columns += [[-_dot(one.direction, side) for one in seen] for side in (_sides(look.place.along) if free else ())]
-    slopes = [-_dot(one.direction, look.place.along) for one in seen]
+    columns += [[-dot(one.direction, side) for one in seen] for side in (_sides(look.place.along) if free else ())]
+    slopes = [-dot(one.direction, look.place.along) for one in seen]
     left = _taken_out(slopes, columns, weights)
     size = _product(left, left, weights)
     if not size > _ALIKE * _product(slopes, slopes, weights):
@@ -129,7 +129,3 @@ def _sides(along: Vector) -> tuple[Vector, Vector]:
 
 def _product(a: Sequence[float], b: Sequence[float], weights: Sequence[float]) -> float:
     return math.fsum(w * x * y for w, x, y in zip(weights, a, b, strict=True))
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -62,3 +62,8 @@ class Place:
         east = -math.sin(self.longitude_rad) * x + math.cos(self.longitude_rad) * y
         up = max(-1.0, min(1.0, cos_lat * outward + sin_lat * z))
         return math.asin(up), math.atan2(east, -sin_lat * outward + cos_lat * z)
+
+
+def dot(a: Vector, b: Vector) -> float:
+    """Return the scalar product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

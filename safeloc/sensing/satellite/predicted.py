@@ -14,7 +14,7 @@ from safeloc.sensing.satellite.atmosphere import Klobuchar, troposphere_m
 from safeloc.sensing.satellite.ephemeris import Ephemeris
 from safeloc.sensing.satellite.figures import EARTH_RATE_RAD_PER_S, L1_WAVELENGTH_M, LIGHT_M_PER_S
 from safeloc.sensing.satellite.orbits import SatelliteState, satellite_state
-from safeloc.sensing.satellite.places import Place, Vector
+from safeloc.sensing.satellite.places import Place, Vector, dot
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +81,8 @@ def _signal(
     direction = tuple((s - p) / range_m for s, p in zip(satellite.position_m, at, strict=True))
     unit: Vector = (direction[0], direction[1], direction[2])
     elevation, azimuth = place.elevation_azimuth_rad(unit)
-    closing = _dot(unit, satellite.velocity_m_per_s) * (1 - _dot(unit, satellite.velocity_m_per_s) / LIGHT_M_PER_S)
-    rate = closing - _dot(unit, velocity_m_per_s) - LIGHT_M_PER_S * satellite.clock_drift
+    closing = dot(unit, satellite.velocity_m_per_s) * (1 - dot(unit, satellite.velocity_m_per_s) / LIGHT_M_PER_S)
+    rate = closing - dot(unit, velocity_m_per_s) - LIGHT_M_PER_S * satellite.clock_drift
     pseudorange = range_m + air_m(elevation, azimuth) - LIGHT_M_PER_S * satellite.clock_s
     return Predicted(pseudorange, rate, unit, elevation)
 
@@ -118,7 +118,3 @@ def _turned(vector: Vector, travel_s: float) -> Vector:
     angle = EARTH_RATE_RAD_PER_S * travel_s
     x, y, z = vector
     return x * math.cos(angle) + y * math.sin(angle), y * math.cos(angle) - x * math.sin(angle), z
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from safeloc.assurance.mutation.kept_score import keep_score, kept_score, score_data, scores_of, stamp
+from safeloc.assurance.mutation.kept_score import SCORES, keep_score, score_data
 from safeloc.assurance.mutation.results import EQUIVALENT, SURVIVED, UNPROVED, Judged, Outcome
 from safeloc.proof.cache.store import Store
 from tests.assurance.mutation.shop import loaded
@@ -30,21 +30,21 @@ def test_what_is_counted() -> None:
 def test_it_is_of_this_content_alone(tmp_path: Path) -> None:
     """A target with one property less has none: a stale score is never shown."""
     store, (target, _, _) = Store(tmp_path), loaded()
-    assert {} == scores_of(store, [target])
+    assert {} == SCORES.of_targets(store, [target])
     keep_score(store, target, SOME, 9, {"d": "nobody needs it"})
-    found = scores_of(store, [target])["brake"]
+    found = SCORES.of_targets(store, [target])["brake"]
     assert {**COUNTS, "since": found["since"]} == found
-    assert kept_score(store, replace(target, properties=target.properties[1:])) is None
+    assert SCORES.kept(store, replace(target, properties=target.properties[1:])) is None
 
 
 def test_a_smaller_sample_does_not_replace_a_greater_one(tmp_path: Path) -> None:
     """A report in the cache is used until another score is kept; none is kept of a run that judged no machine."""
     store, (target, _, _) = Store(tmp_path), loaded()
-    stamps = [stamp(store)]
+    stamps = [SCORES.stamp(store)]
     for few in (0, 3, 5, 4, 5):
         keep_score(store, target, SOME[:few], 9, {})
-        stamps.append(stamp(store))
+        stamps.append(SCORES.stamp(store))
     assert "" == stamps[0] == stamps[1]
     assert 3 == len(set(stamps))
     assert stamps[3] == stamps[4] == stamps[5]
-    assert 5 == (kept_score(store, target) or {})["judged"]
+    assert 5 == (SCORES.kept(store, target) or {})["judged"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from safeloc.assurance.mutation.judge_machine_mutant import judged
 from safeloc.assurance.mutation.results import Judged
-from safeloc.assurance.mutation.strength import as_data, as_text, keep_strengths, kept_strengths, stamp, strengths
+from safeloc.assurance.mutation.strength import STRENGTHS, as_data, as_text, keep_strengths, kept_strengths, strengths
 from safeloc.proof.cache.store import Store
 from safeloc.target import Target
 from tests.assurance.mutation.shop import every, known, loaded
@@ -68,10 +68,10 @@ def test_the_greater_sample_is_kept(tmp_path: Path) -> None:
     """A smaller one does not replace it; another target knows nothing of it."""
     store, whole = Store(tmp_path), len(all_judged())
     assert {} == kept_strengths(store, labelled())
-    stamps = [stamp(store)]
+    stamps = [STRENGTHS.stamp(store)]
     for few in (20, whole, 10):
         keep_strengths(store, labelled(), all_judged()[:few], whole)
-        stamps.append(stamp(store))
+        stamps.append(STRENGTHS.stamp(store))
     assert ["", stamps[2]] == [stamps[0], stamps[3]] and 3 == len(set(stamps))
     assert strengths(labelled(), all_judged(), whole) == kept_strengths(store, labelled())
     assert {} == kept_strengths(store, labelled(brakes_when_surely_too_fast="REQ-1"))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
 from safeloc.language.expr import between, number
-from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
+from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.nodes import Lit
 from safeloc.language.units import COUNT, MM_S
 from safeloc.language.world import Law, World
@@ -41,11 +41,9 @@ Standstill = Model[Parts]
 def build(own: Parts) -> Standstill:
     """The machine over the given variables."""
     table = modes("MOVING", "STANDING")
-    made = Machine(
+    made = own.declared.machine(
         name="standstill",
         modes=table,
-        inputs=own.declared.inputs,
-        state=own.declared.states,
         outputs={"standing": current_mode(table).eq(table[1])},
         transitions=list(_table(own, table)),
         world=_world(own),
@@ -75,9 +73,4 @@ def _world(own: Parts) -> World:
         owner="supplier",
         check="type test",
     )
-    return World(
-        ghosts=own.declared.ghosts,
-        choices=own.declared.choices,
-        moves={own.speed: own.next_speed},
-        clauses={"measured within its error": measured},
-    )
+    return own.declared.world({own.speed: own.next_speed}, {"measured within its error": measured})
