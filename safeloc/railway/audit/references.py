@@ -45,6 +45,7 @@ class References:
                 self.walk.place(seen.run, seen.offset_mm),
                 f"{name(group)} with {name(reflector)}",
                 distance_mm=one.distance_mm,
+                read_within_mm=self.rules.layout.balise_fix_mm(group.location_accuracy_mm),
                 view_from_mm=reflector.view_from_mm,
                 view_to_mm=reflector.view_to_mm,
             )
