@@ -229,8 +229,7 @@ def branch_models_differ(same_model: Bool) -> Bool:
 
 def switch_in_view(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
     """Require the reflector behind a switch to be in view over the switch, so that turning off shows (RFL-12; source l. 296)."""
-    seen, survey = distance_mm + layout.sensor_offset_mm, layout.map_accuracy_mm
-    return between(view_to_mm + survey, seen, view_from_mm - survey)
+    return between(view_to_mm, distance_mm + layout.sensor_offset_mm, view_from_mm)
 
 
 def direction_shows(same_model: Bool) -> Bool:

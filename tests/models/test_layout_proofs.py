@@ -134,14 +134,6 @@ def windows(layout: LayoutConfig) -> Claim:
     return Claim(given, rule, loose, abs_(OTHER - SPACING) > STATED + either)
 
 
-def switch(layout: LayoutConfig) -> Claim:
-    """Over the switch, the reflector behind it is in view wherever the survey left it."""
-    survey, seen = layout.map_accuracy_mm, SPACING + OTHER + layout.sensor_offset_mm
-    loose = between(VIEW_TO, SPACING + layout.sensor_offset_mm, VIEW_FROM)
-    rule = rules.switch_in_view(SPACING, VIEW_FROM, VIEW_TO, layout)
-    return Claim([between(-survey, OTHER, survey)], rule, loose, between(VIEW_TO, seen, VIEW_FROM))
-
-
 def nearest_range(layout: LayoutConfig) -> Claim:
     """In the whole view zone, no range is measured within the distance in which the radar cannot evaluate an echo."""
     given = [SPACING >= VIEW_TO, between(-layout.radar_error_mm, OTHER, layout.radar_error_mm)]
@@ -188,7 +180,6 @@ CLAIMS: dict[str, Callable[[LayoutConfig], Claim]] = {
         previous_is_searched,
         separable,
         windows,
-        switch,
         nearest_range,
         stop,
         function_test,

@@ -89,7 +89,7 @@ def test_offsets_of_antenna_and_radar_count() -> None:
     )
     behind = LayoutConfig(sensor_offset_mm=6_000, antenna_offset_mm=0)
     assert ["from balise group g1 to reflector r (A), increasing: 446000 > 443731"] == stretches(line, behind)
-    assert [] == stretches(line, LayoutConfig(sensor_offset_mm=6_000, antenna_offset_mm=1_000))
+    assert [] == stretches(line, LayoutConfig(sensor_offset_mm=6_000, antenna_offset_mm=3_000))
 
 
 def test_a_loop_without_references_has_no_bound() -> None:
