@@ -10,6 +10,8 @@ Lengths are mm along the track in direction of travel; comparisons read `actual 
 
 from __future__ import annotations
 
+from math import gcd
+
 from pydantic import Field, model_validator
 
 from safeloc.config import Config, quantity
@@ -27,6 +29,9 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.units import COUNT, MM, NM, PPM, PPM_PER_ONE
+
+_ROUNDING_MM = 1
+"""By so much the machines keep their error below the tolerance, since margins are reported in whole mm, rounded up."""
 
 
 class LayoutConfig(Config):
@@ -95,22 +100,42 @@ def odometry_error_nm(measured_mm: Num, fix_error_mm: Num, layout: LayoutConfig)
     return start + measured_mm * Lit(layout.odometry_rate_ppm, PPM)
 
 
+def longest_measured_mm(fix_error_mm: Num, layout: LayoutConfig) -> Num:
+    """Return the longest measured distance after a fix at which the machines keep their position, mm.
+
+    They report margins rounded up to whole mm beside a place in whole mm; the error is therefore kept 1 mm below the tolerance
+    (`Interval.usable`). The rate must not be 0, where no distance is too long.
+    """
+    spare = as_num(layout.tolerance_mm - _ROUNDING_MM - layout.odometry_constant_mm, MM) - fix_error_mm
+    rate, one = _lowest_terms(layout.odometry_rate_ppm)
+    return floor_div(with_unit(spare * one, MM), rate)
+
+
+def _lowest_terms(rate_ppm: int) -> tuple[int, int]:
+    """Return numerator and denominator of a rate in lowest terms, with which solvers fare better."""
+    common = gcd(rate_ppm, PPM_PER_ONE)
+    return rate_ppm // common, PPM_PER_ONE // common
+
+
 def longest_stretch_mm(fix_error_mm: Num, layout: LayoutConfig) -> Num:
-    """Return the longest true distance after a fix on which the error bound stays within the tolerance, mm.
+    """Return the longest true distance after a fix within which the machines never withdraw their position, mm.
 
     The error bound grows with the measured distance, and that may exceed the true one by the law itself:
-    measured <= (true + constant) / (1 - rate). The rate must not be 0, where no distance is too long.
+    measured x (1 - rate) <= true + constant. The first measured distance that is too long bounds the true one from above.
     """
-    spare = as_num(layout.tolerance_mm - layout.odometry_constant_mm, MM) - fix_error_mm
-    scaled = with_unit(spare * (PPM_PER_ONE - layout.odometry_rate_ppm), MM)
-    return floor_div(scaled, layout.odometry_rate_ppm) - layout.odometry_constant_mm
+    too_long, (rate, one) = longest_measured_mm(fix_error_mm, layout) + 1, _lowest_terms(layout.odometry_rate_ppm)
+    return floor_div(with_unit(too_long * (one - rate), MM) - 1, one) - layout.odometry_constant_mm
 
 
-def stretch_is_tolerable(distance_mm: Num, fix_error_mm: Num, layout: LayoutConfig) -> Bool:
-    """Require the odometry error to stay within the tolerance from a fix to the next reference (RFL-D1; source l. 217, 235, 300)."""
+def stretch_is_tolerable(distance_mm: Num, fix_error_mm: Num, apart_mm: Num, layout: LayoutConfig) -> Bool:
+    """Require the position to be kept from a fix to the next reference (RFL-D1; source l. 217, 235, 300).
+
+    distance_mm  from where the one is read to where the other is, by their places on the map
+    apart_mm     by how much farther apart the readings may truly be: each reference is read within its own error
+    """
     if layout.odometry_rate_ppm == 0:
-        return fix_error_mm <= layout.tolerance_mm - layout.odometry_constant_mm
-    return distance_mm <= longest_stretch_mm(fix_error_mm, layout)
+        return fix_error_mm <= layout.tolerance_mm - _ROUNDING_MM - layout.odometry_constant_mm
+    return distance_mm <= longest_stretch_mm(fix_error_mm, layout) - apart_mm
 
 
 # ------------------------------------------------------------------ balise and reflector (RFL-6, RFL-7, RFL-8, RFL-9)
@@ -126,21 +151,27 @@ def reference_distance_agrees(stated_mm: Num, map_distance_mm: Num, layout: Layo
     return abs_(stated_mm - map_distance_mm) <= layout.map_accuracy_mm
 
 
-def reference_measurement_possible(distance_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
-    """Require the reflector to be in view over the balise, so that the self-test is possible (RFL-6)."""
+def reference_measurement_possible(
+    distance_mm: Num, read_within_mm: Num, view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig
+) -> Bool:
+    """Require the reflector to be in view over the balise, so that the self-test is possible (RFL-6).
+
+    read_within_mm  the distance from its place on the map within which the balise is read
+    """
     seen = distance_mm - (layout.antenna_offset_mm - layout.sensor_offset_mm)
-    allowance = layout.detection_accuracy_mm + layout.map_accuracy_mm
+    allowance = read_within_mm + layout.map_accuracy_mm
     return (seen + allowance <= view_from_mm) & (view_to_mm + allowance <= seen)
 
 
 def search_starts_in_time(search_from_mm: Num, distance_mm: Num, view_from_mm: Num, layout: LayoutConfig) -> Bool:
-    """Require the search to begin the tolerable error before the view zone, or at the balise (RFL-9)."""
-    return search_from_mm <= maximum(distance_mm - view_from_mm - layout.tolerance_mm, 0)
+    """Require the search to begin the tolerable error, and that of the survey, before the view zone, or at the balise (RFL-9)."""
+    return search_from_mm <= maximum(distance_mm - view_from_mm - layout.tolerance_mm - layout.map_accuracy_mm, 0)
 
 
 def view_zone_in_range(view_from_mm: Num, view_to_mm: Num, layout: LayoutConfig) -> Bool:
-    """Require the radar to have the minimum intensity in the whole view zone, and not to be too near (RFL-1; source l. 95, 209)."""
-    return (view_from_mm <= layout.radar_range_mm) & (as_num(layout.radar_blind_mm, MM) <= view_to_mm)
+    """Require the radar to have the minimum intensity in the whole view zone, and never to measure too near (RFL-1; source l. 95, 209)."""
+    nearest = as_num(layout.radar_blind_mm + layout.radar_error_mm, MM)
+    return (view_from_mm <= layout.radar_range_mm) & (nearest <= view_to_mm)
 
 
 # ------------------------------------------------------------------ neighbours (RFL-8, RFL-10)
@@ -157,9 +188,10 @@ def alone_in_search_window(
     """Require one of two neighbours to be out of view while the other is searched (RFL-8; source l. 151, 235).
 
     The search begins at an estimate the tolerable error before the view zone; truly up to that error earlier still.
-    The window of the next reflector, from there to its end, is narrower than the spacing; so is the previous one's.
+    The window of the next reflector, from there to its end, is narrower than the spacing; so is the previous one's. The
+    other one may stand nearer than the map has it, by the survey's accuracy.
     """
-    window = next_view_from_mm - previous_view_to_mm + 2 * layout.tolerance_mm
+    window = next_view_from_mm - previous_view_to_mm + 2 * layout.tolerance_mm + layout.map_accuracy_mm
     return window < spacing_mm
 
 
@@ -235,9 +267,9 @@ def stop_reflector_in_view(
     view_to_mm: Num,
     layout: LayoutConfig,
 ) -> Bool:
-    """Require the stop point's reflector to be in view from anywhere in the stop window (source l. 263)."""
-    seen = standstill_mm + layout.sensor_offset_mm
-    return all_of([seen + window_before_mm <= view_from_mm, view_to_mm <= seen - window_after_mm])
+    """Require the stop point's reflector to be in view from anywhere in the stop window, wherever the survey left it (source l. 263)."""
+    seen, survey = standstill_mm + layout.sensor_offset_mm, layout.map_accuracy_mm
+    return all_of([seen + window_before_mm + survey <= view_from_mm, view_to_mm + survey <= seen - window_after_mm])
 
 
 def standstill_distance_agrees(stated_mm: Num, map_distance_mm: Num, layout: LayoutConfig) -> Bool:

@@ -70,9 +70,9 @@ def build(own: Parts) -> ReflectorMachine:
             "distance that a vehicle can have run obeys the odometer's error law, and the vehicle runs no faster than its "
             "highest speed; a balise reading is true within its accuracy, or, while a position is known, comes from a balise "
             "far away; the error of a range is at most the echo's error bound, plus the radar's scale error, plus a systematic "
-            "error of any size that drifts no faster than stated; at or above the minimum intensity the radar recognises a "
-            "reflector's model correctly, and receives no reflector from beyond the strong range; reflectors stand where the "
-            "map has them within its accuracy, and no other one of the same model is nearer than the map says; the prescribed "
+            "error of any size that drifts no faster than stated; at or above the minimum intensity the radar shows the model "
+            "of the reflector that truly sent the echo, or none, and receives no reflector from beyond the strong range; reflectors stand "
+            "where the map has them within its accuracy, and it has no other one of the same model nearer than it says; the prescribed "
             "distance from a balise to its reflector is that of the map; no other thing shows a reflector's signature with "
             "the minimum intensity. Nothing is assumed of any other echo."
         ),

@@ -20,6 +20,7 @@ from safeloc.models.reflector.simulation.scene import (
     FIGURE_1,
     FIGURE_2,
     KINDS,
+    NOWHERE,
     STOPS_MM,
     Balise,
     Reflector,
@@ -126,9 +127,8 @@ def _labelled(name: str, value: int) -> Cell:
 def no_origins(config: ReflectorConfig) -> dict[str, Cell]:
     """Return the ghosts of slots without an echo."""
     slots = range(1, config.echo_slots + 1)
-    real: dict[str, Cell] = {f"echo_{number}_from_reflector": False for number in slots}
-    wrong: dict[str, Cell] = {f"echo_{number}_scaled_nm": 0 for number in slots}
-    return {**real, **{f"echo_{number}_origin_nm": 0 for number in slots}, **wrong}
+    nothing = (("true_model", NOWHERE), ("origin_nm", 0), ("map_place_mm", 0), ("scaled_nm", 0))
+    return {f"echo_{number}_{name}": cell for name, cell in nothing for number in slots}
 
 
 class Radar:
@@ -156,7 +156,7 @@ class Radar:
 
 
 def _is_ghost(name: str) -> bool:
-    return name.endswith(("from_reflector", "origin_nm", "scaled_nm"))
+    return name.endswith(("true_model", "origin_nm", "map_place_mm", "scaled_nm"))
 
 
 def board(step: Mapping[str, Cell]) -> dict[str, Cell]:

@@ -6,7 +6,10 @@
                   error of its range is the echo's own and the radar's
     radar         adds two errors to every range: a systematic one of any size, which drifts, and one in proportion to the range
     other things  send any echo but one with a reflector's signature at the minimum intensity
-    map           has each reflector at its place, its distance to the next one of its model, and to its balise
+    map           has each reflector with its model at its place, its distance to the next one of its model, and to its balise
+
+An echo is what it comes from: a ghost for each slot is the true model of the reflector that sent it, or NONE for any other thing.
+What the echo shows is an input, and a law of its own ties the one to the other.
 
 The map gives one reflector in a cycle, and the machine may still search one that the map gave before. The world therefore
 remembers two entries of the map: the last one, and the one that the machine still names as its target.
@@ -96,7 +99,9 @@ def _laws(own: Parts, lost: Bool) -> dict[str, Bool | Law]:
         "the radar's scale is within its figure": _scale_law(own),
         "no strong echo comes from beyond the strong range": _reach_law(own),
         PRESCRIBED: _prescribed_law(own),
-        "reflectors of one model are far apart on the map": _map_law(own),
+        "a reflector stands where the map has it": _survey_law(own),
+        "reflectors of one model are far apart on the map": _clearance_law(own),
+        "a recognised reflector shows its own model": _recognition_law(own),
         "other things show no reflector's signature": _clutter_law(own),
     }  # fmt: skip
 
@@ -332,25 +337,54 @@ def _echoes(own: Parts) -> list[tuple[Slot, Bool, Num]]:
     return list(zip(own.slots, own.ghosts.reflector, own.ghosts.origin, strict=True))
 
 
-def _map_law(own: Parts) -> Law:
-    seen = own.ghosts
-    entries = ((TRUE, seen.announced), (TRUE, seen.sought), (own.ahead.position.present, _next_announced(own)))
+def _survey_law(own: Parts) -> Law:
+    accuracy, seen = own.config.map_accuracy_mm * NM_PER_MM, own.ghosts
+    places = zip(seen.reflector, seen.origin, seen.on_map, strict=True)
     return Law(
-        all_of(known.implies(_itself_or_clear(own, entry, *one)) for known, entry in entries for one in _echoes(own)),
-        "An echo with the minimum intensity shows its reflector's own model. The reflector of a map entry stands at the entry's "
-        "place within the map's accuracy, and any other one of that model is at least the entry's clearance away.",
-        ("map_accuracy_mm", "minimum_intensity_cdb"),
-        "[M] surveying; signatures told apart, source l. 161 and 237",
+        all_of(
+            real.implies(between(-accuracy, origin - exact_to(place, NM), accuracy)) for real, origin, place in places
+        ),
+        "Every reflector stands where the map has it, within the map's accuracy.",
+        ("map_accuracy_mm",),
+        "[M] surveying of one place against another",
         "infrastructure",
-        "audit of the line's map; survey; type test of the signatures",
+        "survey when the reflector is set up, and after work on the track",
     )
 
 
-def _itself_or_clear(own: Parts, entry: Entry, slot: Slot, real: Bool, origin: Num) -> Bool:
-    shows = real & _strong(own, slot) & slot.model.eq(entry.model) & entry.model.ne(NO_MODEL)
-    apart, accuracy = origin - exact_to(entry.position, NM), own.config.map_accuracy_mm * NM_PER_MM
-    away = exact_to(entry.clear, NM) - accuracy
-    return shows.implies(between(-accuracy, apart, accuracy) | (apart >= away) | (apart <= -away))
+def _clearance_law(own: Parts) -> Law:
+    seen = own.ghosts
+    entries = ((TRUE, seen.announced), (TRUE, seen.sought), (own.ahead.position.present, _next_announced(own)))
+    sent = list(zip(own.slots, seen.kind, seen.on_map, strict=True))
+    return Law(
+        all_of(known.implies(_itself_or_clear(own, entry, *one)) for known, entry in entries for one in sent),
+        "A reflector that sends an echo with the minimum intensity and has the model of a map entry is that entry's own, or the map has "
+        "it at least the entry's clearance away.",
+        ("minimum_intensity_cdb",),
+        "[D] counted on the map, over all tracks that the radar sees; every reflector is on it, with its model",
+        "infrastructure",
+        "audit of the line's map: neighbours told apart, reflectors across tracks",
+    )
+
+
+def _itself_or_clear(own: Parts, entry: Entry, slot: Slot, kind: Num, place: Num) -> Bool:
+    alike = _strong(own, slot) & kind.eq(entry.model) & kind.ne(NO_MODEL)
+    apart = place - entry.position
+    return alike.implies(apart.eq(0) | (apart >= entry.clear) | (-apart >= entry.clear))
+
+
+def _recognition_law(own: Parts) -> Law:
+    return Law(
+        all_of(
+            (_strong(own, slot) & real).implies(slot.model.eq(kind) | slot.model.eq(NO_MODEL))
+            for slot, real, kind in zip(own.slots, own.ghosts.reflector, own.ghosts.kind, strict=True)
+        ),
+        "An echo of a reflector with the minimum intensity shows that reflector's model, or none that is known.",
+        ("minimum_intensity_cdb",),
+        "[M] signatures told apart, source l. 161, 237 and 304",
+        "supplier",
+        "type test of every model against every other, at the least intensity and at all angles of view",
+    )
 
 
 def _clutter_law(own: Parts) -> Law:

@@ -12,8 +12,8 @@ from safeloc.models.reflector.variables import Parts
 LAW = (
     "odometer and balise keep their error laws, or the balise lies far away; the error of a range is at most the echo's error "
     "bound, plus the radar's scale error, plus a systematic error of any size that drifts no faster than stated; an echo with "
-    "the minimum intensity comes from within the strong range, and its model is recognised correctly; the map's distances, "
-    "between equal models and from balise to reflector, are right; no other thing shows a reflector's signature with the "
+    "the minimum intensity comes from within the strong range, and shows the model of the reflector that truly sent it, or none; "
+    "reflectors stand where the map has them; its distances, between equal models and from balise to reflector, are right; no other thing shows a reflector's signature with the "
     "minimum intensity"
 )
 PASSED = ("self-test passed", "self-test passed at the balise")
@@ -154,6 +154,11 @@ def found_by(own: Parts, position: Num, view_from: Num) -> Num:
 def looked_for(own: Parts) -> Num:
     """Return the place of the reflector that was searched in this cycle, mm; only in a search zone, view zone or self-test."""
     return ite(begun(own), own.ahead.position.value, before(own.target.position))
+
+
+def looked_for_model(own: Parts) -> Num:
+    """Return the model of that reflector."""
+    return ite(begun(own), own.ahead.model, before(own.target.model))
 
 
 def stands_at(own: Parts, slot: Slot, position: Num) -> Bool:

@@ -9,9 +9,19 @@ from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, exact_to, w
 from safeloc.language.spec import Property, always
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
-from safeloc.models.reflector.echo import FITS, NO_FRAME, NONE, OUT_OF_WINDOW, WEAK, Slot
+from safeloc.models.reflector.echo import FITS, NO_FRAME, NONE, OTHER_MODEL, OUT_OF_WINDOW, WEAK, Slot
 from safeloc.models.reflector.variables import BY_REFLECTOR, MISMATCH, NO_SOURCE, Parts
-from safeloc.properties.reflector.figures import LAW, looked_for, stands_at, strong
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.properties.reflector.figures import (
+    IN_ZONE,
+    LAW,
+    begun,
+    looked_for,
+    looked_for_model,
+    stands_at,
+    strong,
+    was,
+)
 
 for_all_inputs = partial(always, requirements=("RFL-1", "RFL-10"), unconditional=True)
 under_assumption = partial(always, requirements=("RFL-1", "RFL-3"), assumption=LAW)
@@ -19,30 +29,62 @@ under_assumption = partial(always, requirements=("RFL-1", "RFL-3"), assumption=L
 
 def view(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties of measurements and of the position by them."""
-    for maker in (_never_mistaken, _strong_enough, _own_bound, _sent_by_it, _used, _reasons, _source):
+    for maker in (_never_mistaken, _told_apart, _strong_enough, _own_bound, _sent_by_it, _used, _reasons, _source):
         yield from maker(model)
 
 
 def _never_mistaken(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties that no reflector is taken for another, and nothing else for a reflector."""
     own, valid = model.own, model.machine.flag("valid")
+    target = (looked_for(own), looked_for_model(own))
     verdicts = {
-        "target": [_from_there(own, slot, valid & slot.last_verdict.eq(FITS), looked_for(own)) for slot in own.slots],
+        "target": [(valid & slot.last_verdict.eq(FITS)).implies(_is_from(own, slot, *target)) for slot in own.slots],
         "next reflector": [
-            _from_there(own, slot, slot.last_verdict_for_next.eq(FITS), own.ahead.position.value) for slot in own.slots
+            slot.last_verdict_for_next.eq(FITS).implies(_is_from(own, slot, own.ahead.position.value, own.ahead.model))
+            for slot in own.slots
         ],
     }
     for name, right in verdicts.items():
         yield under_assumption(
             f"the {name} is never mistaken",
             all_of(right),
-            statement=f"that very reflector reflected the echo that fits the {name}, however many others the line has",
+            statement=f"that very reflector, of that model, reflected the echo that fits the {name}, however many others the line has",
             requirements=("RFL-3", "RFL-10"),
         )
 
 
-def _from_there(own: Parts, slot: Slot, fits: Bool, position: Num) -> Bool:
-    return fits.implies(own.ghosts.reflector[slot.number - 1] & stands_at(own, slot, position))
+def _is_from(own: Parts, slot: Slot, position: Num, model: Num) -> Bool:
+    """Return whether the reflector that the map has at this place, with this model, truly sent the echo."""
+    truly = own.ghosts.kind[slot.number - 1].eq(model) & own.ghosts.on_map[slot.number - 1].eq(position)
+    return all_of([own.ghosts.reflector[slot.number - 1], truly, stands_at(own, slot, position)])
+
+
+def _told_apart(model: ReflectorMachine) -> Iterator[Property]:
+    """Yield the properties that echoes are told apart by the model of what they truly come from, in both directions."""
+    own, ahead = model.own, model.own.ahead.model
+    sought = model.machine.flag("valid") & (was(model, "REFERENCE", "SEARCH", *IN_ZONE) | begun(own))
+    of_map = own.ahead.position.present & ahead.ne(NO_MODEL)
+    for name, known, of, verdicts in (
+        ("target", sought, looked_for_model(own), [slot.last_verdict for slot in own.slots]),
+        ("next reflector", of_map, ahead, [slot.last_verdict_for_next for slot in own.slots]),
+    ):
+        sent = list(zip(own.slots, own.ghosts.kind, verdicts, strict=True))
+        yield under_assumption(
+            f"an echo of anything else is refused for the {name}",
+            all_of(
+                (known & strong(own, slot) & kind.ne(of)).implies(judged.eq(OTHER_MODEL)) for slot, kind, judged in sent
+            ),
+            statement=f"whatever is no reflector of the model of the {name}, however strong its echo and wherever it stands, is refused "
+            "for its model",
+            requirements=("RFL-10",),
+        )
+        recognised = (known & strong(own, slot) & kind.eq(of) & slot.model.ne(NO_MODEL) for slot, kind, _ in sent)
+        yield under_assumption(
+            f"no echo of its model is refused as another's for the {name}",
+            all_of(seen.implies(judged.ne(OTHER_MODEL)) for seen, judged in zip(recognised, verdicts, strict=True)),
+            statement=f"an echo of a reflector of the model of the {name} is never refused for its model, if it shows one at all",
+            requirements=("RFL-10",),
+        )
 
 
 def _is_reported(model: ReflectorMachine, slot: Slot) -> Bool:
@@ -92,16 +134,13 @@ def _own_bound(model: ReflectorMachine) -> Iterator[Property]:
 
 def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    place = machine.output("reflector_position_mm")
+    shown = machine.output("reflector_position_mm"), machine.output("reflector_model")
     yield under_assumption(
         "the reported reflector sent the echo",
         machine.flag("precise").implies(
-            any_of(
-                own.ghosts.reflector[slot.number - 1] & _is_reported(model, slot) & stands_at(own, slot, place)
-                for slot in own.slots
-            )
+            any_of(_is_reported(model, slot) & _is_from(own, slot, *shown) for slot in own.slots)
         ),
-        statement="the reported reflector truly sent the echo whose range is reported",
+        statement="the reported reflector, of the reported model, truly sent the echo whose range is reported",
         requirements=("RFL-2", "RFL-3", "RFL-10"),
     )
 

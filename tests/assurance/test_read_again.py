@@ -152,7 +152,7 @@ def test_the_page_is_in_step() -> None:
         ("`turn_off.py`", "`turn_of.py`", "RFL-12: properties/turn_of.py"),
         ('"readers swapped"', '"readers mixed"', "MRK-1: models/test_odometry_wrong_edits.py readers mixed"),
         ('refused by "running back decreases"', 'refused by "it runs"', "FWG-9:  it runs"),
-        ("Mend: a recording of real", "A recording of real", "RFL-10: no reason with what would mend it"),
+        ("**shown**: by the shape of", "**weak**: by the shape of", "RFL-10: no reason with what would mend it"),
         ("**shown** from the giving", "**good** from the giving", "FVA-D1: no judgement"),
     ],
 )

@@ -40,7 +40,7 @@ def test_a_broken_rule_ends_in_1(call: Call, tmp_path: Path) -> None:
     (finding,) = told["findings"]
     assert (False, "safeloc-audit/1") == (told["holds"], told["schema"])
     assert {"edge": "103", "position_mm": 1_400_000} == finding["place"]
-    assert {"what": "distance", "actual": 543_000, "relation": "<=", "required": 465_250, "unit": "mm"} == finding[
+    assert {"what": "distance", "actual": 543_000, "relation": "<=", "required": 464_981, "unit": "mm"} == finding[
         "figures"
     ]
 

@@ -12,7 +12,7 @@ from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, as_num, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
-from safeloc.models.reflector import build, table
+from safeloc.models.reflector import build, echo, table
 from safeloc.models.reflector import cycle as cycles
 from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.cycle import Judgement
@@ -21,6 +21,7 @@ from safeloc.models.reflector.map_data import NextReflector, Reflector, Target
 from safeloc.models.reflector.odometer import ReflectorOdometer as Odometer
 from safeloc.models.reflector.variables import ReflectorConfig, parts
 from safeloc.models.vocabulary.interval import Interval
+from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 from safeloc.properties.reflector import properties
 from tests.models.edited_terms import edited, keeps
 
@@ -213,6 +214,75 @@ def test_a_wrong_charge_for_the_radar_is_noticed(monkeypatch: pytest.MonkeyPatch
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(made(), claim)
+
+
+_JUDGE = echo.judge
+ANYTHING_ELSE = "an echo of anything else is refused for the {}"
+ITS_MODEL = "no echo of its model is refused as another's for the {}"
+
+
+def showing(shown: Callable[[Num, Num], Num]) -> Wrong:
+    """An echo judged as if it showed another model, by the one that it shows and the one that is searched."""
+    return lambda slot, _, reflector, *now: _JUDGE(
+        replace(slot, model=shown(slot.model, reflector.model)),
+        reflector,
+        *now,  # type: ignore[arg-type]
+    )
+
+
+def refused(when: Callable[[Num], Bool]) -> Wrong:
+    """An echo refused for its model, by the one that it shows."""
+    return lambda slot, right, *_a: replace(
+        right, verdict=ite(right.verdict.eq(echo.FITS) & when(slot.model), echo.OTHER_MODEL, right.verdict)
+    )
+
+
+OF_MODELS: Edits = {
+    "any model fits": (echo, "judge", showing(lambda _, searched: searched), ANYTHING_ELSE.format("target")),
+    "any model fits the next reflector": (
+        echo, "judge", showing(lambda _, searched: searched), ANYTHING_ELSE.format("next reflector")),
+    "an echo without a model fits": (
+        echo, "judge", showing(lambda shown, searched: ite(shown.eq(NO_MODEL), searched, shown)), ANYTHING_ELSE.format("target")),
+    "two models alike": (
+        echo, "judge", showing(lambda shown, _: ite(shown.eq(MODEL[2]), MODEL[1], shown)), ANYTHING_ELSE.format("target")),
+    "the target's model forgotten": (Target, "reflector", lambda _t, right: replace(right, model=MODEL[1]), ANYTHING_ELSE.format("target")),
+    "no model fits": (echo, "judge", refused(lambda _: TRUE), ITS_MODEL.format("target")),
+    "one model is never known": (echo, "judge", refused(lambda shown: shown.eq(MODEL[8])), ITS_MODEL.format("next reflector")),
+    "models one for another": (
+        echo, "judge", showing(lambda shown, _: ite(shown.eq(MODEL[2]), MODEL[1], ite(shown.eq(MODEL[1]), MODEL[2], shown))),
+        ITS_MODEL.format("target")),
+}  # fmt: skip
+"""What the machine may take a model for."""
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("edit", OF_MODELS)
+def test_a_model_taken_for_another_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
+    """The same of the model that an echo shows, against what truly sent it."""
+    owner, name, wrong, claim = OF_MODELS[edit]
+    assert keeps(made(), claim)
+    edited(monkeypatch, owner, name, wrong)
+    assert not keeps(made(), claim)
+
+
+LAWS = {
+    "a reflector stands where the map has it": "the target is never mistaken",
+    "reflectors of one model are far apart on the map": "the target is never mistaken",
+    "a recognised reflector shows its own model": ANYTHING_ELSE.format("target"),
+    "other things show no reflector's signature": ANYTHING_ELSE.format("target"),
+}
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("law", LAWS)
+def test_each_law_on_what_sends_an_echo_is_needed(law: str) -> None:
+    """In a world without it the claim is not kept: it follows from no other law."""
+    machine, claims = made()
+    laws = {name: clause for name, clause in machine.world.laws.items() if name != law}
+    assert len(laws) == len(machine.world.laws) - 1
+    free = replace(machine, world=replace(machine.world, clauses=laws))
+    assert keeps((machine, claims), LAWS[law])
+    assert not keeps((free, claims), LAWS[law])
 
 
 OF_TWO: Edits = {

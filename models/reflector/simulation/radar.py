@@ -24,7 +24,7 @@ MODELS = tuple(one.label for one in MODEL)
 """Labels of the models by their numbers."""
 ECHO = {
     "range_mm": 0, "error_mm": 0, "model": MODELS.index(NOWHERE), "intensity_cdb": INTENSITY_FLOOR_CDB, "lateral_mm": 0,
-    "from_reflector": False, "origin_nm": 0, "scaled_nm": 0,
+    "true_model": MODELS.index(NOWHERE), "origin_nm": 0, "map_place_mm": 0, "scaled_nm": 0,
 }  # fmt: skip
 """Inputs and ghosts of a slot, in order, with their values while the slot is empty."""
 
@@ -151,8 +151,9 @@ class Radars:
             model=MODELS.index(one.model),
             intensity_cdb=strong - 2_000 * np.isin(which, weak) if weak else strong,
             lateral_mm=3_000 + between(self._draws, which, -100, 100).astype(np.int64),
-            from_reflector=True,
+            true_model=MODELS.index(one.model),
             origin_nm=one.position_mm * NM_PER_MM,
+            map_place_mm=one.position_mm,
             scaled_nm=scaled * NM_PER_MM,
         )
 
@@ -199,6 +200,6 @@ def _add_thing(
 ) -> None:
     """Add the echo of a thing beside the track."""
     frames.add(
-        which, range_mm=range_mm, error_mm=200, model=model, intensity_cdb=intensity_cdb, lateral_mm=-4_000, from_reflector=False,
-        origin_nm=0, scaled_nm=0,
+        which, range_mm=range_mm, error_mm=200, model=model, intensity_cdb=intensity_cdb, lateral_mm=-4_000,
+        true_model=MODELS.index(NOWHERE), origin_nm=0, map_place_mm=0, scaled_nm=0,
     )  # fmt: skip

@@ -11,12 +11,16 @@ NEVER = 10**9
 
 @dataclass(frozen=True)
 class Sighting:
-    """A sighting on a route: the model of a reflector or, `certain`, the identity of a balise, with its position."""
+    """A sighting on a route: the model of a reflector or, `certain`, the identity of a balise, with its position.
+
+    wider_mm  how much farther than the gate it may lie from where it is expected, since it is placed less accurately
+    """
 
     what: str
     position_mm: int
     identity: str
     certain: bool = False
+    wider_mm: int = 0
 
 
 def faults_towards(
@@ -24,7 +28,7 @@ def faults_towards(
 ) -> int | None:
     """Return the fewest missed or misread sightings that make the true route look like the believed one; None: never.
 
-    gate_mm     places farther apart than this are never confused; None: places are not compared
+    gate_mm     places farther apart than this, and what a sighting adds to it, are never confused; None: places are not compared
     same_start  positions count from a common place; otherwise any sighting may be the first of the other route
     """
     least = _faults(truth, believed, gate_mm, same_start)
@@ -45,8 +49,9 @@ def _faults(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: in
 def _all_near(places: list[int], believed: Sequence[Sighting], gate_mm: int, shift_mm: int) -> bool:
     """Return whether every believed sighting has a true one within the gate; if not, no alignment is possible."""
     for one in believed:
-        first = bisect_left(places, one.position_mm + shift_mm - gate_mm)
-        if first == len(places) or places[first] > one.position_mm + shift_mm + gate_mm:
+        gate = gate_mm + one.wider_mm
+        first = bisect_left(places, one.position_mm + shift_mm - gate)
+        if first == len(places) or places[first] > one.position_mm + shift_mm + gate:
             return False
     return True
 
@@ -82,7 +87,7 @@ def _aligned(truth: Sequence[Sighting], believed: Sequence[Sighting], gate_mm: i
 
 def _reading(seen: Sighting, expected: Sighting, gate_mm: int | None, shift_mm: int) -> int:
     """Return the faults needed to take a sighting for the expected one: 0 equal, 1 model misread, NEVER impossible."""
-    if gate_mm is not None and abs(seen.position_mm - shift_mm - expected.position_mm) > gate_mm:
+    if gate_mm is not None and abs(seen.position_mm - shift_mm - expected.position_mm) > gate_mm + expected.wider_mm:
         return NEVER
     if seen.what == expected.what:
         return 0

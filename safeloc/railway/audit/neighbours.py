@@ -24,7 +24,13 @@ def check_reflectors(walk: Walk, rules: Rules, ledger: Ledger) -> None:
         ledger.check(rules.view_zone, place, name(one), **figures)
     widest = max((reflector.view_from_mm for reflector in walk.line.reflectors), default=0)
     layout = rules.layout
-    reach = max(widest + 2 * layout.tolerance_mm, 2 * (layout.tolerance_mm + layout.reflector_fix_mm)) + 1
+    reach = (
+        max(
+            widest + 2 * layout.tolerance_mm + layout.map_accuracy_mm,
+            2 * (layout.tolerance_mm + layout.reflector_fix_mm),
+        )
+        + 1
+    )
     for pair in pairs(walk, reach):
         _pair(pair, rules, ledger)
 

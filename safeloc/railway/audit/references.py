@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.audit.findings import Ledger
 from safeloc.railway.audit.rules import UNBOUNDED, Figures, Rules
 from safeloc.railway.audit.stretches import longest, name
@@ -44,9 +45,7 @@ class References:
                 self.rules.function_test,
                 self.walk.place(seen.run, seen.offset_mm),
                 f"{name(group)} with {name(reflector)}",
-                distance_mm=one.distance_mm,
-                view_from_mm=reflector.view_from_mm,
-                view_to_mm=reflector.view_to_mm,
+                **function_test_figures(self.rules.layout, group, reflector, one.distance_mm),
             )
             for one, reflector in ahead
         ]
@@ -154,6 +153,18 @@ class References:
 
 def _greatest(counts: Iterable[int]) -> int:
     return max(counts)
+
+
+def function_test_figures(
+    layout: LayoutConfig, group: BaliseGroup, reflector: Reflector, distance_mm: int
+) -> dict[str, int]:
+    """Return the figures of the rule on function tests, for a group and a reflector so far ahead of it."""
+    return {
+        "distance_mm": distance_mm,
+        "read_within_mm": layout.balise_fix_mm(group.location_accuracy_mm),
+        "view_from_mm": reflector.view_from_mm,
+        "view_to_mm": reflector.view_to_mm,
+    }
 
 
 def is_reflector(element: Reference) -> bool:

@@ -19,7 +19,7 @@ from safeloc.railway.audit.rules import Rules
 from safeloc.railway.audit.stretches import longest
 from safeloc.railway.map.elements import Reflector
 from safeloc.railway.map.places import Place
-from safeloc.railway.map.routes import Route, through_routes
+from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.map.walk import Reference, Walk
 
@@ -83,7 +83,7 @@ def route_count(topology: Topology) -> int | None:
 
 
 def _gate_mm(rules: Rules) -> int:
-    """Return the distance within which two estimated places may be one: both errors, as in `separable_by_distance`."""
+    """Return the distance within which two estimated places of reflectors may be one: both errors, as in `separable_by_distance`."""
     return 2 * (rules.layout.tolerance_mm + rules.layout.reflector_fix_mm)
 
 
@@ -91,31 +91,28 @@ def _gate_mm(rules: Rules) -> int:
 
 
 def _end_to_end(walk: Walk, rules: Rules) -> Iterator[RoutePair]:
-    ways = [_way(walk, route) for route in through_routes(walk.topology, MOST_ROUTES)]
+    ways = [_seen_along(walk, rules, route.name, route.runs) for route in through_routes(walk.topology, MOST_ROUTES)]
     for first, second in combinations(ways, 2):
         same_start = first.runs[0] == second.runs[0]
         place = walk.place(_parting(first.runs, second.runs), 0)
         yield _pair(first, second, rules, same_start, place)
 
 
-def _way(walk: Walk, route: Route) -> _Way:
-    return _seen_along(walk, route.name, route.runs)
-
-
-def _seen_along(walk: Walk, name: str, runs: Sequence[Run]) -> _Way:
+def _seen_along(walk: Walk, rules: Rules, name: str, runs: Sequence[Run]) -> _Way:
     seen: list[Sighting] = []
     start = 0
     for run in runs:
-        seen += [_sighting(element, run, start + offset) for offset, element in walk.references[run]]
+        seen += [_sighting(rules, element, run, start + offset) for offset, element in walk.references[run]]
         start += walk.topology.length_mm(run)
     return _Way(name, tuple(runs), tuple(seen), start)
 
 
-def _sighting(element: Reference, run: Run, position_mm: int) -> Sighting:
+def _sighting(rules: Rules, element: Reference, run: Run, position_mm: int) -> Sighting:
     if isinstance(element, Reflector):
         return Sighting(element.model, position_mm, element.id)
     way = "" if element.orientation is None else " nominal" if element.orientation == run.direction else " reverse"
-    return Sighting(f"balise group {element.id}{way}", position_mm, element.id, certain=True)
+    wider = 2 * max(rules.layout.balise_fix_mm(element.location_accuracy_mm) - rules.layout.reflector_fix_mm, 0)
+    return Sighting(f"balise group {element.id}{way}", position_mm, element.id, certain=True, wider_mm=wider)
 
 
 def _parting(first: Sequence[Run], second: Sequence[Run]) -> Run:
@@ -149,25 +146,25 @@ def _within_horizon(walk: Walk, rules: Rules, ledger: Ledger) -> Iterator[RouteP
 def _from_entries(walk: Walk, rules: Rules, ledger: Ledger, horizon_mm: int) -> Iterator[RoutePair]:
     """Compare the ways from every two entries up to where they meet, whatever their directions; only where both see reflectors."""
     found = {run: _ways_on(walk, run, horizon_mm)[:_WAYS_ON] for run in walk.topology.entries()}
-    ways = {run: those for run, those in found.items() if any(_named(walk, way).models for way in those)}
+    ways = {run: those for run, those in found.items() if any(_named(walk, rules, way).models for way in those)}
     pairs = list(combinations(ways, 2))
     if len(pairs) > _ENTRY_PAIRS:
         place = walk.place(next(iter(ways)), 0)
         left = len(pairs) - _ENTRY_PAIRS
         ledger.add(rules.all_ways, place, f"{left} of {len(pairs)} pairs of entries to the map are not compared")
     for first, second in pairs[:_ENTRY_PAIRS]:
-        apart = (_apart(walk, left, right, horizon_mm) for left, right in product(ways[first], ways[second]))
+        apart = (_apart(walk, rules, left, right, horizon_mm) for left, right in product(ways[first], ways[second]))
         place = walk.place(first, 0)
         compared = [_pair(*both, rules, False, place) for both in apart if all(way.models for way in both)]
         if compared:
             yield min(compared, key=_faults)
 
 
-def _apart(walk: Walk, left: Sequence[Run], right: Sequence[Run], horizon_mm: int) -> tuple[_Way, _Way]:
+def _apart(walk: Walk, rules: Rules, left: Sequence[Run], right: Sequence[Run], horizon_mm: int) -> tuple[_Way, _Way]:
     """Return both ways up to the run on which they meet, where vehicles on both are at one place, or up to the horizon."""
     met = next((run for run in left if run in right), None)
     parts = (left, right) if met is None else (_before(left, met), _before(right, met))
-    one, other = (_shortened(_named(walk, runs), horizon_mm) for runs in parts)
+    one, other = (_shortened(_named(walk, rules, runs), horizon_mm) for runs in parts)
     return one, other
 
 
@@ -207,17 +204,18 @@ def _until_they_meet(walk: Walk, left: Sequence[Run], right: Sequence[Run], rule
     """Return both ways up to the place where they meet and on to the next reference, which comes later on the longer way."""
     met = next((run for run in left if run in right), None)
     if met is None:
-        ways = _named(walk, left), _named(walk, right)
-        common = min(way.length_mm for way in ways) - _gate_mm(rules)
+        ways = _named(walk, rules, left), _named(walk, rules, right)
+        widest = max((one.wider_mm for way in ways for one in way.seen), default=0)
+        common = min(way.length_mm for way in ways) - _gate_mm(rules) - widest
         return _shortened(ways[0], common), _shortened(ways[1], common)
     together = left[left.index(met) :]
     last = next((index for index, run in enumerate(together) if walk.references[run]), len(together) - 1)
     tail = together[: last + 1]
-    return _named(walk, (*_before(left, met), *tail)), _named(walk, (*_before(right, met), *tail))
+    return _named(walk, rules, (*_before(left, met), *tail)), _named(walk, rules, (*_before(right, met), *tail))
 
 
-def _named(walk: Walk, runs: Sequence[Run]) -> _Way:
-    return _seen_along(walk, " > ".join(run.edge for run in runs), runs)
+def _named(walk: Walk, rules: Rules, runs: Sequence[Run]) -> _Way:
+    return _seen_along(walk, rules, " > ".join(run.edge for run in runs), runs)
 
 
 def _before(runs: Sequence[Run], met: Run) -> Sequence[Run]:

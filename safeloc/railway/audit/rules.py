@@ -97,8 +97,8 @@ class Rules:
     @cached_property
     def stretch(self) -> Rule:
         """Every odometry stretch is short enough."""
-        distance, fix = _mm("distance_mm"), _mm("fix_error_mm")
-        return Rule("odometry stretch", ("RFL-D1",), terms.stretch_is_tolerable(distance, fix, self.layout))
+        figures = (_mm("distance_mm"), _mm("fix_error_mm"), _mm("apart_mm"))
+        return Rule("odometry stretch", ("RFL-D1",), terms.stretch_is_tolerable(*figures, self.layout))
 
     @cached_property
     def after_balise(self) -> Rule:
@@ -115,7 +115,7 @@ class Rules:
     @cached_property
     def function_test(self) -> Rule:
         """The function test is possible over the balise."""
-        figures = (_mm("distance_mm"), _mm("view_from_mm"), _mm("view_to_mm"))
+        figures = (_mm("distance_mm"), _mm("read_within_mm"), _mm("view_from_mm"), _mm("view_to_mm"))
         return Rule("function test", ("RFL-6",), terms.reference_measurement_possible(*figures, self.layout), True)
 
     @cached_property

@@ -18,7 +18,7 @@ from safeloc.railway.map.walk import Reference, Walk, carried
 
 @dataclass(frozen=True)
 class _Since:
-    """The last reference: distance since it, position error at it, and its name."""
+    """The last reference: distance since it, position error at it, and its name. It was read within that error of its place."""
 
     distance_mm: int
     fix_error_mm: int
@@ -38,21 +38,22 @@ class Stretches:
         arriving, loops = carried(self.walk, self._entering, self._leaving, self._through, self._worst)
         for loop in loops:
             subject = f"a loop over {len(loop)} edges without any reference"
-            self.ledger.check(
-                self.rules.stretch, self.walk.place(loop[0], 0), subject, distance_mm=UNBOUNDED, fix_error_mm=0
-            )
+            place = self.walk.place(loop[0], 0)
+            self.ledger.check(self.rules.stretch, place, subject, distance_mm=UNBOUNDED, fix_error_mm=0, apart_mm=0)
         for run, since in arriving.items():
             self._along(run, since)
 
     def _along(self, run: Run, since: _Since) -> None:
         for offset, element in self.walk.references[run]:
-            self._check(since, run, offset, begins_mm(element, offset, self.layout), name(element))
+            begins, read_mm = begins_mm(element, offset, self.layout), fix_error_mm(element, self.layout)
+            self._check(since, run, offset, begins, name(element), read_mm)
             since = self._after(element, offset)
         if not self.walk.topology.after(run):
             length = self.walk.topology.length_mm(run)
-            self._check(since, run, length, length, "the end of the map")
+            self._check(since, run, length, length, "the end of the map", 0)
 
-    def _check(self, since: _Since, run: Run, at_mm: int, begins: int, goal: str) -> None:
+    def _check(self, since: _Since, run: Run, at_mm: int, begins: int, goal: str, read_mm: int) -> None:
+        """Check the stretch to a goal, which is read within `read_mm` of its place on the map."""
         distance = max(since.distance_mm + begins, 0)
         self.ledger.check(
             self.rules.stretch,
@@ -60,6 +61,7 @@ class Stretches:
             f"from {since.origin} to {goal}, {run.direction}",
             distance_mm=distance,
             fix_error_mm=since.fix_error_mm,
+            apart_mm=since.fix_error_mm + read_mm,
         )
 
     def _entering(self, run: Run) -> _Since:
@@ -79,7 +81,9 @@ class Stretches:
         return _Since(since.distance_mm + self.walk.topology.length_mm(run), since.fix_error_mm, since.origin)
 
     def _worst(self, several: Iterable[_Since]) -> _Since:
-        return max(several, key=lambda since: since.distance_mm - self._longest_mm(since.fix_error_mm))
+        return max(
+            several, key=lambda since: since.distance_mm + since.fix_error_mm - self._longest_mm(since.fix_error_mm)
+        )
 
     def _longest_mm(self, fix_error: int) -> int:
         if fix_error not in self._longest:
@@ -88,7 +92,7 @@ class Stretches:
 
 
 def longest(fix_error: int, layout: LayoutConfig) -> int:
-    """Return the longest tolerable stretch after a fix, in mm; practically unbounded if odometry errors do not grow."""
+    """Return the longest true run after a fix over which the position is kept, in mm; practically unbounded if odometry errors do not grow."""
     if layout.odometry_rate_ppm == 0:
         return UNBOUNDED - fix_error
     return int(evaluate([longest_stretch_mm(as_num(fix_error, MM), layout)], {})[0])
@@ -109,7 +113,7 @@ def ends_mm(element: Reference, offset_mm: int, layout: LayoutConfig) -> int:
 
 
 def fix_error_mm(element: Reference, layout: LayoutConfig) -> int:
-    """Return the error of a position taken from the reference."""
+    """Return the error of a position taken from the reference: it is read within so much of its place on the map."""
     if isinstance(element, BaliseGroup):
         return layout.balise_fix_mm(element.location_accuracy_mm)
     return layout.reflector_fix_mm

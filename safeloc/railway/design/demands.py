@@ -173,7 +173,13 @@ def _reflectors_apart(options: Options, rules: Rules) -> Iterator[Demand]:
         if rules.view_zone.broken({"view_from_mm": one.view_from_mm, "view_to_mm": one.view_to_mm}):
             yield Demand(frozenset(), frozenset([options.number_of(one)]))
     widest = max((one.view_from_mm for one in walk.line.reflectors), default=0)
-    reach = max(widest + 2 * layout.tolerance_mm, 2 * (layout.tolerance_mm + layout.reflector_fix_mm)) + 1
+    reach = (
+        max(
+            widest + 2 * layout.tolerance_mm + layout.map_accuracy_mm,
+            2 * (layout.tolerance_mm + layout.reflector_fix_mm),
+        )
+        + 1
+    )
     for pair in pairs(walk, reach):
         figures = {
             "same_model": pair.first.model == pair.second.model,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from safeloc.railway.audit.references import function_test_figures
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.design.least_cost import Demand
 from safeloc.railway.design.options import Options
@@ -23,15 +24,14 @@ def testable(options: Options, rules: Rules) -> dict[int, list[tuple[Run, int]]]
         if isinstance(seen.element, BaliseGroup):
             reach = farthest + rules.layout.antenna_offset_mm
             ahead = (one for one in walk.ahead(seen.run, seen.offset_mm, reach) if isinstance(one.element, Reflector))
-            if any(_is_in_view(rules, one.element, one.distance_mm) for one in ahead):
+            if any(_is_in_view(rules, seen.element, one.element, one.distance_mm) for one in ahead):
                 found.setdefault(options.number_of(seen.element), []).append((seen.run, seen.offset_mm))
     return found
 
 
-def _is_in_view(rules: Rules, reflector: object, distance_mm: int) -> bool:
+def _is_in_view(rules: Rules, group: BaliseGroup, reflector: object, distance_mm: int) -> bool:
     assert isinstance(reflector, Reflector)
-    view = {"view_from_mm": reflector.view_from_mm, "view_to_mm": reflector.view_to_mm}
-    return not rules.function_test.broken({"distance_mm": distance_mm, **view})
+    return not rules.function_test.broken(function_test_figures(rules.layout, group, reflector, distance_mm))
 
 
 def before_reflectors(options: Options, rules: Rules) -> Iterator[Demand]:

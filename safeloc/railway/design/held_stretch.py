@@ -1,8 +1,8 @@
 """The stretch over which the balise machine holds its position after a group: a bound with a proof, and a run one millimetre beyond.
 
 The machine that ships is made with the vehicle's figures. Its world is watched: it also counts the true run since the last group. The
-greatest run within which the machine never withdraws its position comes from the first measured distance at which it does; a proof on
-the machine and a run of it, one millimetre farther, show that this is the bound.
+greatest run within which the machine never withdraws its position is that of the audit's rule; a proof on the machine and a run of it,
+one millimetre farther, show that this is the bound.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from safeloc.language.expr import (
     NumVar,
     Var,
     all_of,
+    as_num,
     between,
     boolean,
     exact_to,
@@ -25,15 +26,17 @@ from safeloc.language.expr import (
     number,
     with_unit,
 )
-from safeloc.language.interpret import start, taken
+from safeloc.language.interpret import evaluate, start, taken
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_num, observe
 from safeloc.language.system import TransitionSystem, lower
-from safeloc.language.units import NM, NM_PER_MM, PPM_PER_ONE
+from safeloc.language.units import MM, NM, NM_PER_MM, PPM_PER_ONE
 from safeloc.language.verdict import Verdict
 from safeloc.models import balise
 from safeloc.models.balise import variables as v
+from safeloc.models.balise.reckoning import layout
 from safeloc.models.balise.variables import BaliseConfig, parts
+from safeloc.models.layout_rules import longest_measured_mm, longest_stretch_mm
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
 
@@ -117,7 +120,7 @@ def _held_within(one: Watched, run_mm: int, accuracy_mm: int) -> Property:
 
 @dataclass(frozen=True, eq=False)
 class HeldStretch:
-    """The stretch over which the machine holds its position after a group, by its own arithmetic.
+    """The stretch over which the machine holds its position after a group.
 
     accuracy_mm  location accuracy of the group
     run_mm       the greatest true run, whole mm, within which it is never withdrawn; negative: no run at all
@@ -134,21 +137,18 @@ class HeldStretch:
 
 
 def held_stretch(config: BaliseConfig, accuracy_mm: int) -> HeldStretch | None:
-    """Return the bound after a group of that accuracy, by the first measured distance at which the margin is too wide; None if no
-    run is too long, since the error does not grow.
-    """
-    law = config.odometer
-    spare_nm = (config.tolerance_mm - 1 - accuracy_mm - config.detection_mm - law.constant_mm) * NM_PER_MM
-    if spare_nm < 0:
+    """Return the bound after a group of that accuracy, by the audit's rule; None if no run is too long, since the error does not grow."""
+    fix_mm, law = accuracy_mm + config.detection_mm, config.odometer
+    if fix_mm + law.constant_mm >= config.tolerance_mm:
         return HeldStretch(accuracy_mm, -1, 0, (), {})
     if law.rate_ppm == 0:
         return None
-    measured = spare_nm // law.rate_ppm + 1
-    least_nm = measured * (PPM_PER_ONE - law.rate_ppm) - 2 * law.wander_nm
-    run = -(-least_nm // NM_PER_MM) - 1
-    return HeldStretch(
-        accuracy_mm, run, measured, tuple(_steps(config, accuracy_mm, measured)), _first(config, accuracy_mm)
+    figures, fix = layout(config), as_num(fix_mm, MM)
+    kept, run = (
+        int(found) for found in evaluate([longest_measured_mm(fix, figures), longest_stretch_mm(fix, figures)], {})
     )
+    steps = tuple(_steps(config, accuracy_mm, kept + 1))
+    return HeldStretch(accuracy_mm, run, kept + 1, steps, _first(config, accuracy_mm))
 
 
 def _first(config: BaliseConfig, accuracy_mm: int) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""The greatest distances of two references on the map: by the audit's rule, and by what the balise machine is proved to hold.
+"""The greatest distances of two references on the map, by the audit's rule, and what the balise machine is proved to hold.
 
 The run between two readings may be longer than the distance on the map: each group may lie its location accuracy off, and is read
 within the detection accuracy. The machine has to hold its position over that run, so both come off its bound.
@@ -12,7 +12,6 @@ from functools import cached_property
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.models.line_runs.configs import LineVehicle, fitting
-from safeloc.railway.audit.rules import UNBOUNDED
 from safeloc.railway.audit.stretches import fix_error_mm, longest
 from safeloc.railway.design.held_stretch import HeldStretch, held_stretch
 from safeloc.railway.map.elements import BaliseGroup
@@ -65,9 +64,9 @@ class Reach:
         own = group.location_accuracy_mm
         return self.layout.balise_accuracy_mm if own is None else own
 
-    def _spread_mm(self, element: Reference | None) -> int:
-        """The distance from its place on the map within which a group is read."""
-        return self.layout.balise_fix_mm(element.location_accuracy_mm) if isinstance(element, BaliseGroup) else 0
+    def _read_within_mm(self, element: Reference | None) -> int:
+        """Return the distance from its place on the map within which a reference is read, which is the error of a fix by it."""
+        return 0 if element is None else fix_error_mm(element, self.layout)
 
     def limit(self, origin: Reference | None, goal: Reference | None) -> Limit:
         """Return how far a goal may be from an origin."""
@@ -81,18 +80,13 @@ class Reach:
         return {}
 
     def _limit(self, origin: Reference | None, goal: Reference | None) -> Limit:
-        fix = 0 if origin is None else fix_error_mm(origin, self.layout)
-        audited = longest(fix, self.layout)
+        fix, off = self._read_within_mm(origin), self._read_within_mm(origin) + self._read_within_mm(goal)
+        kept = longest(fix, self.layout)
         law = f"{_metres(self.layout.odometry_constant_mm)} + {self.layout.odometry_rate_ppm / 10_000:g} %"
-        if not isinstance(origin, BaliseGroup):
-            return Limit(audited, f"odometry {law} after an error of {_metres(fix)}, by the rule of the audit")
-        held = self.held(self.accuracy_mm(origin))
-        off = self._spread_mm(origin) + self._spread_mm(goal)
-        mine = UNBOUNDED if held is None else held.run_mm - off
-        if mine >= audited:
-            return Limit(audited, f"odometry {law} after an error of {_metres(fix)}, by the rule of the audit")
-        why = f"odometry {law} after an error of {_metres(fix)}: the machine holds {_metres(held.run_mm if held else 0)} of true run"
-        return Limit(mine, f"{why}, less {_metres(off)} by which the readings may be farther apart")
+        why = f"odometry {law} after an error of {_metres(fix)}: the position is kept for {_metres(kept)} of true run"
+        return Limit(
+            kept - off, f"{why}, less {_metres(off)} by which the readings may be farther apart" if off else why
+        )
 
 
 def _metres(value_mm: int) -> str:

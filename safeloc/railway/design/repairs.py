@@ -12,6 +12,7 @@ from functools import cached_property
 
 from safeloc.errors import InputError
 from safeloc.railway.audit.findings import AuditReport, Finding
+from safeloc.railway.audit.references import function_test_figures
 from safeloc.railway.audit.rules import UNBOUNDED, Rules
 from safeloc.railway.audit.stretches import longest
 from safeloc.railway.design.function_tests import testable
@@ -75,8 +76,8 @@ class Repairs:
             if isinstance(seen.element, BaliseGroup):
                 for ahead in self._walk.first_ahead(seen.run, seen.offset_mm, reach, _is_reflector):
                     assert isinstance(ahead.element, Reflector)
-                    view = {"view_from_mm": ahead.element.view_from_mm, "view_to_mm": ahead.element.view_to_mm}
-                    if rule.broken({"distance_mm": ahead.distance_mm, **view}):
+                    distance = ahead.distance_mm
+                    if rule.broken(function_test_figures(self.report.layout, seen.element, ahead.element, distance)):
                         yield self.options.number_of(ahead.element)
 
     # ------------------------------------------------------------------ branches

@@ -65,6 +65,15 @@ def test_places_are_looked_at(off: int, expected: int | None) -> None:
     assert expected == faults_towards(truth, believed, 500, True)
 
 
+@pytest.mark.parametrize(("off", "expected"), [(700, 0), (701, None), (-700, 0), (-701, None)])
+def test_a_sighting_that_is_placed_less_accurately_has_a_wider_gate(off: int, expected: int | None) -> None:
+    """A balise adds what it errs more than a reflector, with and without a common start."""
+    truth, believed = ([Sighting("balise 1", place, "1", True, 200)] for place in (1_000, 1_000 + off))
+    assert expected == faults_towards(truth, believed, 500, True)
+    before = Sighting("A", 0, "a")
+    assert expected == faults_towards([before, *truth], [before, *believed], 500, False)
+
+
 def test_places_tell_what_models_do_not() -> None:
     """ADCD with its D missed is ACD, but C stands elsewhere."""
     truth = [Sighting(m, p, m + str(p)) for m, p in (("A", 160), ("D", 360), ("C", 540), ("D", 900))]

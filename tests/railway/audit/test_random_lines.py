@@ -48,17 +48,18 @@ def stretch_breaks(route: Route) -> Iterator[Place]:
     """References reached too late on this route, and the end of the map."""
     end, fix = 0, 0
     for met, element in references(route):
-        distance = max(begins_mm(element, met.position_mm, LAYOUT) - end, 0)
-        if too_long(distance, fix):
+        distance, read = max(begins_mm(element, met.position_mm, LAYOUT) - end, 0), fix_error_mm(element, LAYOUT)
+        if too_long(distance, fix, read):
             yield Place(element.edge, element.position_mm)
-        end, fix = ends_mm(element, met.position_mm, LAYOUT), fix_error_mm(element, LAYOUT)
-    if too_long(max(route.length_mm - end, 0), fix):
+        end, fix = ends_mm(element, met.position_mm, LAYOUT), read
+    if too_long(max(route.length_mm - end, 0), fix, 0):
         yield route.place(route.length_mm)
 
 
-def too_long(distance: int, fix: int) -> bool:
-    """Whether the rule of the layout is broken."""
-    return not holds(rules.stretch_is_tolerable(as_num(distance, MM), as_num(fix, MM), LAYOUT), {})
+def too_long(distance: int, fix: int, read: int) -> bool:
+    """Whether the rule of the layout is broken between a reference with that error of a fix and one that is read within `read`."""
+    figures = (as_num(one, MM) for one in (distance, fix, fix + read))
+    return not holds(rules.stretch_is_tolerable(*figures, LAYOUT), {})
 
 
 @given(lines())

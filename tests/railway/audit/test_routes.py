@@ -96,6 +96,14 @@ def many(line: Line, monkeypatch: pytest.MonkeyPatch) -> list[tuple[int | None, 
     return route_faults(line)
 
 
+@pytest.mark.parametrize(("accuracy_mm", "told"), [(300, True), (12_000, False)])
+def test_a_coarse_group_tells_a_longer_way_only_beyond_its_own_accuracy(accuracy_mm: int, told: bool) -> None:
+    """70 m more show by a group known to 0.3 m; the window of one known to 12 m reaches 2 (30 + 12 + 1) m."""
+    behind = group(9, "after", 50_000, location_accuracy_mm=accuracy_mm)
+    rules = {finding.rule for finding in audit(siding(second_mm=370_000, balise_groups=(behind,))).violated}
+    assert told == ("routes told apart" not in rules)
+
+
 @pytest.mark.parametrize("longer_mm", [0, 30_000, 70_000])
 def test_few_and_many_routes_are_compared_alike(longer_mm: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Behind a choice, what comes after the ways have met again still comes later on the longer one."""

@@ -9,8 +9,9 @@ from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.proof.provers.limits import Limits
-from safeloc.railway.audit.stretches import longest
+from safeloc.railway.audit import audit
 from safeloc.railway.design.held_stretch import HeldStretch, _steps, broken_beyond, held_stretch, proof_of, watched
+from tests.railway.map.made import group, straight
 
 LAYOUTS = {
     "default": LayoutConfig(),
@@ -56,12 +57,27 @@ def test_the_machine_holds_its_position_up_to_the_bound(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_the_audit_allows_hardly_more(name: str) -> None:
-    """The machine rounds its margin up to 1 mm, so it withdraws that millimetre of error earlier than the audit reckons."""
-    layout = LAYOUTS[name]
-    audited = longest(layout.balise_fix_mm(300), layout)
-    of_a_millimetre = 1_000_000 // layout.odometry_rate_ppm + 1
-    assert audited - of_a_millimetre <= bound(name, 300).run_mm < audited
+def test_the_audit_allows_what_the_machine_holds(name: str) -> None:
+    """Two groups pass the audit as far apart as the machine holds its position, less the errors of both readings; not 1 mm farther."""
+    figures, apart = LAYOUTS[name], bound(name, 300).run_mm - 2 * LAYOUTS[name].balise_fix_mm(300)
+
+    def stretches(more_mm: int) -> list[str]:
+        groups = (group(1, "e0", 1_000), group(2, "e0", 1_000 + apart + more_mm))
+        found = audit(straight(2_000 + apart + more_mm, balise_groups=groups), figures).violated
+        return [one.subject for one in found if one.rule == "odometry stretch"]
+
+    assert [] == stretches(0)
+    assert ["from balise group g1 to balise group g2, increasing"] == stretches(1)
+
+
+def test_the_rule_that_did_not_round_is_refuted() -> None:
+    """What the audit once allowed, (t - f - c)(1 - r)/r - c without rounding, is 19 mm more than the machine holds."""
+    machine, found = watched(config("default")), bound("default", 300)
+    old_mm = (30_000 - 1_300 - 5_000) * 950_000 // 50_000 - 5_000
+    assert 19 == old_mm - found.run_mm
+    assert broken_beyond(machine, found) is not None, (
+        "the position is withdrawn within 1 mm more, which the old rule allows"
+    )
 
 
 def test_no_bound_and_no_run() -> None:
