@@ -52,7 +52,7 @@ from safeloc.models.occupied_track.variables import (
     Slot,
     parts,
 )
-from safeloc.models.occupied_track.world import world
+from safeloc.models.occupied_track.world import on_its_edge, world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 REQUIREMENTS = ("RFL-D6",)
@@ -84,6 +84,7 @@ def build(own: Parts) -> OccupiedTrack:
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, kept, table)),
         world=world(own),
+        initially=on_its_edge(own),
         lemmas=lemmas(own, current, table),
         definitions={
             "every possible track is offered": cycle.all_offered,
@@ -185,4 +186,4 @@ def _on_edge(own: Parts, slot: Slot) -> tuple[Num, Num]:
     return maximum(own.given_low - slot.origin, as_num(0, MM)), minimum(own.given_high - slot.origin, slot.length)
 
 
-__all__ = ["NO_EDGE", "OccupiedTrack", "OccupiedTrackConfig", "build", "machine", "parts"]
+__all__ = ["NO_EDGE", "OccupiedTrack", "OccupiedTrackConfig", "Parts", "build", "machine", "parts"]

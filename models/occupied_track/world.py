@@ -16,7 +16,7 @@ from safeloc.models.turn_off import UNDECIDED as NO_COURSE
 
 POSITION = "a position that is given holds the front end"
 """The clause that a localizer can guarantee."""
-_TURN = "a turn that is seen is taken"
+TURN = "a turn that is seen is taken"
 """The clause that the turn-off machine can guarantee."""
 
 
@@ -41,11 +41,18 @@ def world(own: Parts) -> World:
             "the map has the length of the true edge": _length_law(own),
             "a start names the true track": _start_law(own),
             "a group is read on the true edge": _group_law(own),
-            _TURN: _turn_law(own),
+            TURN: _turn_law(own),
             "the map has the course of the true track": _course_law(own),
             "a movement that is excluded does not happen": _movement_law(own),
         },
     )
+
+
+def on_its_edge(own: Parts) -> Bool:
+    """Return whether the front end is on its edge, at its place: so it is at first, and a vehicle that passes one joint in a cycle stays so."""
+    seen = own.ghosts
+    start = exact_to(seen.origin, NM)
+    return between(start, seen.truth, start + exact_to(seen.length, NM)) & seen.place.eq(seen.truth - start)
 
 
 # ------------------------------------------------------------------ where the vehicle goes
