@@ -1,8 +1,8 @@
 """Journeys of a localizer over the switches of fig. 3, as steps of the localizer on the map, its ghosts included.
 
 The localizer's own simulation gives what its sensors say. The map is asked before the interval of the cycle is known, so with that of the
-cycle before, widened. On the second journey the vehicle takes the branch that was not announced: the balise machine refuses its
-groups, and they tell the track.
+cycle before, widened. On two journeys the vehicle takes the branch that was not announced. The balise machine refuses the groups of that
+branch, and they tell the track; or the reflector behind the switch has told it before.
 
 `python -m safeloc.models.localizer_track.simulate` writes the runs that ship.
 """
@@ -23,9 +23,11 @@ from safeloc.models.localizer.simulation.junction import Junction
 from safeloc.models.localizer.simulation.simulate import first_state as localizer_first
 from safeloc.models.localizer.simulation.simulate import simulate as simulate_localizer
 from safeloc.models.localizer_track import NAME, LocalizerTrackConfig, compose_machines
+from safeloc.models.localizer_track.switch_seen import seen, watches
 from safeloc.models.occupied_track.look_up import LookUp
 from safeloc.models.occupied_track.simulate import TrueTrack, route_of
 from safeloc.models.turn_off import STRAIGHT
+from safeloc.models.turn_off.simulate import SwitchAhead
 from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
@@ -47,11 +49,16 @@ _ASIDE = [Group(number, place, accuracy_mm=_ACCURATE_MM) for number, place in en
 
 @dataclass(frozen=True)
 class Scene:
-    """A journey, the reflector models along the route that the vehicle really takes, and the groups that it passes."""
+    """A journey, the reflector models along the route that the vehicle really takes, and the groups that it passes.
+
+    switch, node  a facing switch whose reflector the radar measures, and its node on the map
+    """
 
     journey: Journey
     models: str
     passed: tuple[Group, ...]
+    switch: SwitchAhead | None = None
+    node: str = ""
 
 
 _JUNCTION = Junction(_SWITCH_MM, 100_000, _ASIDE)
@@ -69,6 +76,26 @@ SCENES: Mapping[str, tuple[str, Scene]] = {
             ),
             "ACD",
             (*_STEM, *_ASIDE),
+        ),
+    ),
+    f"{NAME}-turn-seen": (
+        "The same branch, and the turn is seen by the reflector behind the switch: it ends the announced branch before any group of the other "
+        "is read. Then the odometer falls silent, and with the position the track is lost.",
+        Scene(
+            Journey(
+                [Leg(20_000, 38.0)],
+                groups=[*_STEM, *_AHEAD],
+                junction=_JUNCTION,
+                troubles=[
+                    Fault("other branch taken", "", 0, 10_000),
+                    Fault("uplink silent", "", 260, 280),
+                    Fault("odometer silent", "", 338, 380),
+                ],
+            ),
+            "ACD",
+            (*_STEM, *_ASIDE),
+            SwitchAhead(_SWITCH_MM, "RIGHT", _SWITCH_MM + 55_000),
+            "302",
         ),
     ),
 }  # fmt: skip
@@ -130,11 +157,23 @@ class _Run:
 
     def _cycle(self, given: dict[str, Cell], before_nm: int, truth_nm: int) -> dict[str, Cell]:
         self._world.go(truth_nm)
-        cells = given | _quiet_course() | self._track(given, before_nm, truth_nm)
+        cells = given | self._course(truth_nm) | self._track(given, before_nm, truth_nm)
         cells["truth_mm"] = truth_nm // NM_PER_MM - self._world.origin_mm
         on_board = {name: cell for name, cell in cells.items() if name in self._inputs}
         self._state, _ = self._board.step(self._state, self._board.read(on_board))
         return cells
+
+    def _course(self, truth_nm: int) -> dict[str, Cell]:
+        """Return what the course at switches is given."""
+        outputs = self._board.named_outputs(self._state)
+        high = None if outputs["delocalized.restrictive"] else self._interval(outputs)[1]
+        cells = seen(self._config.turn_off, self._scene.switch, truth_nm, high, self._watching)
+        return {f"turn_off.{name}": cell for name, cell in cells.items()}
+
+    @property
+    def _watching(self) -> bool:
+        state = dict(zip(self._board.state_names, self._state, strict=True))
+        return watches(state, self._scene.switch)
 
     def _track(self, given: Mapping[str, Cell], before_nm: int, truth_nm: int) -> dict[str, Cell]:
         outputs = self._board.named_outputs(self._state)
@@ -149,7 +188,7 @@ class _Run:
             "start_length_mm": self._world.length_mm,
             "group_place_mm": 0,
             "group_error_mm": 0,
-            **self._map.answer(self._map.carried(told), low, high),
+            **self._map.answer(self._map.carried(told), low, high, watched=self._scene.node if self._watching else ""),
             **self._group(given, edge),
             "entered_edge": edge,
             "entered_length_mm": self._world.length_mm,
@@ -174,14 +213,6 @@ class _Run:
             "group_place_mm": read.place_mm - self._world.origin_mm,
             "group_error_mm": _READ_ERROR_MM,
         }
-
-
-def _quiet_course() -> dict[str, Cell]:
-    """Return the inputs of a vehicle that sees no reflector behind a switch."""
-    return {
-        "turn_off.reflector_measured": False, "turn_off.lateral_mm": 0, "turn_off.authorised_course": "UNDECIDED",
-        "turn_off.next_true_course": "STRAIGHT", "turn_off.next_true_lateral_mm": 0, "turn_off.true_shift_mm": 0,
-    }  # fmt: skip
 
 
 def _named(outcome: str, scene: Scene, seed: int) -> WorkedRun[LocalizerTrackConfig]:

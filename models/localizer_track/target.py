@@ -6,6 +6,7 @@ from safeloc.language.system import TransitionSystem
 from safeloc.models import localizer_track
 from safeloc.models.localizer.target import SECTIONS, properties_of_machines
 from safeloc.models.localizer_track import NAME, LocalizerTrackConfig
+from safeloc.models.occupied_track.picture import picture
 from safeloc.models.occupied_track.reported import interval_on_the_edge
 from safeloc.properties import localizer_track as claims
 from safeloc.properties import occupied_track as track_claims
@@ -30,7 +31,7 @@ def target(config: LocalizerTrackConfig) -> Target:
     }
     return Target(
         NAME, system.machines, system, properties, config, DOC, recorded(NAME), _reported(config, system),
-        members=members, sections={**SECTIONS, "occupied_track": "track"},
+        pictures=(picture(config.track, "occupied_track."),), members=members, sections={**SECTIONS, "occupied_track": "track"},
     )  # fmt: skip
 
 

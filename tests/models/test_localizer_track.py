@@ -181,6 +181,7 @@ def test_recordings_ship_as_they_are_made(name: str) -> None:
     ("name", "edges", "never"),
     [
         (f"{NAME}-other-branch", ["301", "303-305"], "302-304"),
+        (f"{NAME}-turn-seen", ["301", "302-303", "303-305"], "302-304"),
         (f"{NAME}-as-announced", ["301", "302-304", "304-306"], "302-303"),
     ],
 )
