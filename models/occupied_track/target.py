@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from safeloc.models import occupied_track
+from safeloc.models.occupied_track.picture import picture
 from safeloc.models.occupied_track.reported import interval_on_the_edge
 from safeloc.models.occupied_track.variables import OccupiedTrackConfig, parts
 from safeloc.properties import occupied_track as claims
@@ -21,6 +22,7 @@ def target(config: OccupiedTrackConfig) -> Target:
         config,
         reported=interval_on_the_edge(config.tracks),
         simulate=lambda seed: _simulated(config, seed),
+        pictures=(picture(config),),
     )
 
 
