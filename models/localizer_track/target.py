@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from safeloc.language.system import TransitionSystem
 from safeloc.models import localizer_track
 from safeloc.models.localizer.target import SECTIONS, properties_of_machines
@@ -31,8 +33,16 @@ def target(config: LocalizerTrackConfig) -> Target:
     }
     return Target(
         NAME, system.machines, system, properties, config, DOC, recorded(NAME), _reported(config, system),
-        pictures=(picture(config.track, "occupied_track."),), members=members, sections={**SECTIONS, "occupied_track": "track"},
+        pictures=(picture(config.track, _shipped, "occupied_track."),), members=members, sections={**SECTIONS, "occupied_track": "track"},
     )  # fmt: skip
+
+
+def _shipped() -> Collection[str]:
+    from safeloc.models.localizer_track.simulate import (
+        RUNS,
+    )  # numpy and the map are loaded only where a picture is drawn
+
+    return RUNS
 
 
 def _reported(config: LocalizerTrackConfig, system: TransitionSystem) -> Reported:
