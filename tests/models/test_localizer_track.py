@@ -53,11 +53,21 @@ def test_they_are_proved_of_the_machines_before() -> None:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
-    "lemma", ["delocalized: a passed position holds the truth", "turn_off: the decided course is true"]
+    "lemmas",
+    [
+        (
+            "balise: the interval holds the truth",
+            "arbitration: the interval holds the truth",
+            "delocalized: a passed position holds the truth",
+            "uplink: a report on its way holds the truth",
+            "uplink: a report that arrived holds the truth",
+        ),
+        ("turn_off: the decided course is true",),
+    ],
 )
-def test_without_a_lemma_the_contract_is_not_proved(lemma: str) -> None:
-    """Each of the two rests on one lemma."""
-    assert contract(compose_machines().composition, OWNER, lemma) is not None
+def test_without_its_lemmas_the_contract_is_not_proved(lemmas: tuple[str, ...]) -> None:
+    """One position passes through balises, arbitration, restrictive state and link within a cycle: the lemma of each says it of the same one."""
+    assert contract(compose_machines().composition, OWNER, *lemmas) is not None
 
 
 # ------------------------------------------------------------------ the first state
