@@ -161,7 +161,7 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
     for slot in own.slots:
         there, (least, most) = slot.edge.ne(NO_EDGE), _on_edge(own, slot)
         name = f"track_{slot.number}"
-        of_track[f"{name}_edge"] = slot.edge
+        of_track[f"{name}_edge"] = ite(there, slot.edge, NO_EDGE)  # no bare variable: a claim on it would state itself
         of_track[f"{name}_origin_mm"] = position_if(there, slot.origin)
         of_track[f"{name}_low_mm"] = position_if(there, least)
         of_track[f"{name}_high_mm"] = position_if(there, most)
