@@ -61,6 +61,10 @@ class LayoutConfig(Config):
     cable_slack_ppm: int = quantity(
         30_000, "ppm of track", 0, 1_000_000, "[M] a cable is 1 to 3 % longer than its track"
     )
+    shortest_edge_mm: int = quantity(
+        10_000, "mm", 1, 1_000_000, "[D] that of the occupied track: between two switches, or a switch and a crossing"
+    )
+    cycle_run_mm: int = quantity(4_445, "mm", 1, 1_000_000, "[D] that of the occupied track: 160 km/h for 100 ms")
     prescribed_distance_mm: int | None = Field(
         default=None,
         gt=0,
@@ -77,6 +81,11 @@ class LayoutConfig(Config):
             raise ValueError(
                 f"tolerance_mm {self.tolerance_mm} is not above odometry_constant_mm {self.odometry_constant_mm}: no "
                 "distance can be run within it; raise the tolerance or use better odometry."
+            )
+        if self.shortest_edge_mm < self.cycle_run_mm:
+            raise ValueError(
+                f"shortest_edge_mm {self.shortest_edge_mm} is below cycle_run_mm {self.cycle_run_mm}: the vehicle could pass a whole "
+                "edge within a cycle, unseen; raise it."
             )
         return self
 
@@ -240,6 +249,28 @@ def direction_shows(same_model: Bool) -> Bool:
 def routes_distinguishable(faults_to_confuse: Num, layout: LayoutConfig) -> Bool:
     """Require that one route looks like another only with more missed or misread reflectors than have to be tolerated (RFL-D6)."""
     return as_num(layout.route_faults_withstood, COUNT) < faults_to_confuse
+
+
+# ------------------------------------------------------------------ edges of the map (RFL-D6)
+
+
+def edge_outlasts_a_cycle(length_mm: Num, layout: LayoutConfig) -> Bool:
+    """Require no edge to be shorter than the occupied track takes, so that no vehicle passes two joints in a cycle."""
+    return as_num(layout.shortest_edge_mm, MM) <= length_mm
+
+
+def joint_has_two_ways(ways: Num) -> Bool:
+    """Require at most two edges on which a vehicle may go on; a three-way switch is two switches."""
+    return ways <= 2
+
+
+def group_tells_its_edge(to_joint_mm: Num, layout: LayoutConfig) -> Bool:
+    """Require the front end to be still on a balise group's edge when the group has been read, up to a cycle late.
+
+    to_joint_mm  from the last balise of the group, in direction of travel, to the end of its edge
+    """
+    read = layout.antenna_offset_mm + layout.detection_accuracy_mm + layout.map_accuracy_mm
+    return as_num(read + layout.cycle_run_mm, MM) <= to_joint_mm
 
 
 # ------------------------------------------------------------------ balises (RFL-D4)

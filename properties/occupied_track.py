@@ -283,6 +283,13 @@ def _silent(model: OccupiedTrack) -> Iterator[Property]:
         statement="once no track is carried, only a start on a given position begins anew",
     )
     yield for_all_inputs(
+        "what is given up leaves nothing behind",
+        all_of(
+            _there(slot) | (slot.origin.eq(0) & slot.length.eq(model.own.config.shortest_edge_mm)) for slot in slots
+        ),
+        statement="a slot without a track has no place and no length of an earlier one, so equal tracks are equal states and equal snapshots",
+    )
+    yield for_all_inputs(
         "without a position nothing is told",
         _carrying(model).implies(_located(model)),
         statement="in a cycle in which the localizer gives no position, no track is carried",

@@ -17,6 +17,48 @@ from safeloc.language.renamed import check_keywords, renamed
 Standing = Literal["contained", "WRONG", "INVALID"]
 
 
+@dataclass(frozen=True)
+class PossibleTrack:
+    """Names of the outputs of one track that is possible: the number of its edge (0: none), and the interval along that edge, in mm."""
+
+    edge: str
+    low: str
+    high: str
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Names of the outputs that tell the track. A place without its track is that of the wrong branch as well.
+
+    edge         number of the edge along which the reported interval lies; 0 while it is not known
+    count        how many tracks are possible; 0 while nothing is known
+    possible     every track on which the vehicle may be
+    coordinates  positions along the announced way, which are the same on every branch: no places on the map
+    """
+
+    edge: str
+    count: str
+    possible: tuple[PossibleTrack, ...]
+    coordinates: tuple[str, ...] = ()
+
+    @property
+    def meanings(self) -> dict[str, str]:
+        """Return the meaning of these outputs to a host, by name."""
+        found = {
+            self.edge: "edge of the map on which end A is, counted with its direction; 0: it is not known",
+            self.count: "how many tracks are possible; 0: nothing is known of the track",
+        }
+        for one in self.possible:
+            found[one.edge] = "edge on which end A may be; 0: none"
+            found[one.low] = f"if end A is on the edge of {one.edge}, it is at least this far from its beginning"
+            found[one.high] = f"if end A is on the edge of {one.edge}, it is at most this far from its beginning"
+        for name in self.coordinates:
+            found[name] = (
+                f"distance along the announced way: the same on every branch, so no place on the map while {self.edge} is 0"
+            )
+        return found
+
+
 @check_keywords(ModelError, {"under": "below", "over": "above"})
 @dataclass(frozen=True)
 class Reported:
@@ -25,6 +67,7 @@ class Reported:
     below   how far the truth may lie towards smaller coordinates of the line
     above   how far the truth may lie towards greater coordinates
     truth   the ghost in nm that the interval has to contain; "" for a machine without one
+    tracks  the outputs that tell the track, for an interval along an edge of the map; None for one along the line
 
     For a train whose front runs towards growing coordinates the margin above is ETCS's L_DOUBTUNDER (under-reading amount:
     the true front may be that far ahead of the estimate), and the margin below is L_DOUBTOVER; when it runs the other
@@ -37,6 +80,7 @@ class Reported:
     valid: str = "valid"
     valid_is: bool = True
     truth: str = "truth_nm"
+    tracks: Tracks | None = None
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -47,9 +91,13 @@ class Reported:
     def meanings(self) -> dict[str, str]:
         """Return the meaning of these outputs to a host, by name; `valid` may be told by an output of another sense."""
         where = f"{self.valid} is {int(self.valid_is)}"
+        along = (
+            "on the line" if self.tracks is None else f"from the beginning of the edge that {self.tracks.edge} tells"
+        )
         return {
+            **({} if self.tracks is None else self.tracks.meanings),
             self.valid: f"{int(self.valid_is)} while an interval is reported; else position and margins tell nothing",
-            self.position: f"estimate of the place of end A on the line, while {where}",
+            self.position: f"estimate of the place of end A {along}, while {where}",
             self.below: f"the true place is at most this far below {self.position}, while {where}",
             self.above: f"the true place is at most this far above {self.position}, while {where}",
         }

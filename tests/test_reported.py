@@ -12,7 +12,7 @@ from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError, StreamError
 from safeloc.language.verdict import word
 from safeloc.proof.verification.replay import replay_stream
-from safeloc.reported import Reported, usual_names
+from safeloc.reported import PossibleTrack, Reported, Tracks, usual_names
 
 OUTPUTS = {"valid": True, "position_mm": 100, "margin_below_mm": 5, "margin_above_mm": 7}
 
@@ -31,6 +31,21 @@ def test_nothing_reported_is_never_wrong() -> None:
     restrictive = Reported(valid="restrictive", valid_is=False)
     assert restrictive.standing({**OUTPUTS, "restrictive": True}, 10**9) == "INVALID"
     assert restrictive.standing({**OUTPUTS, "restrictive": False}, 10**9) == "WRONG"
+
+
+def test_an_interval_along_an_edge_means_another_place() -> None:
+    """The host is told from where the place counts, what the edges mean, and that a coordinate is no place on the map."""
+    track = Tracks(
+        "edge", "tracks", (PossibleTrack("track_1_edge", "track_1_low_mm", "track_1_high_mm"),), ("along_mm",)
+    )
+    meanings = Reported(tracks=track).meanings
+    assert meanings["position_mm"].startswith(
+        "estimate of the place of end A from the beginning of the edge that edge tells"
+    )
+    assert meanings["edge"].endswith("0: it is not known")
+    assert meanings["along_mm"].endswith("no place on the map while edge is 0")
+    assert {"tracks", "track_1_edge", "track_1_low_mm", "track_1_high_mm"} < set(meanings)
+    assert Reported().meanings["position_mm"].startswith("estimate of the place of end A on the line")
 
 
 def test_usual_names() -> None:

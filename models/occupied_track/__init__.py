@@ -51,7 +51,7 @@ from safeloc.models.occupied_track.variables import (
     Slot,
     parts,
 )
-from safeloc.models.occupied_track.world import world
+from safeloc.models.occupied_track.world import on_its_edge, world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
 REQUIREMENTS = ("RFL-D6",)
@@ -76,6 +76,7 @@ def build(own: Parts) -> OccupiedTrack:
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, kept, table)),
         world=world(own),
+        initially=on_its_edge(own),
         lemmas=lemmas(own, current, table),
         definitions={
             "every possible track is offered": cycle.all_offered,
@@ -152,7 +153,7 @@ def _outputs(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Expr
     for slot in own.slots:
         there, (least, most) = slot.edge.ne(NO_EDGE), _on_edge(own, slot)
         name = f"track_{slot.number}"
-        of_track[f"{name}_edge"] = slot.edge
+        of_track[f"{name}_edge"] = ite(there, slot.edge, NO_EDGE)  # no bare variable: a claim on it would state itself
         of_track[f"{name}_origin_mm"] = position_if(there, slot.origin)
         of_track[f"{name}_low_mm"] = position_if(there, least)
         of_track[f"{name}_high_mm"] = position_if(there, most)
@@ -177,4 +178,4 @@ def _on_edge(own: Parts, slot: Slot) -> tuple[Num, Num]:
     return maximum(own.given_low - slot.origin, as_num(0, MM)), minimum(own.given_high - slot.origin, slot.length)
 
 
-__all__ = ["NO_EDGE", "OccupiedTrack", "OccupiedTrackConfig", "build", "machine", "parts"]
+__all__ = ["NO_EDGE", "OccupiedTrack", "OccupiedTrackConfig", "Parts", "build", "machine", "parts"]

@@ -6,6 +6,7 @@ from safeloc.language.expr import Bool, Lit, Num, all_of, any_of, between, exact
 from safeloc.language.units import NM
 from safeloc.models.occupied_track.cycle import on_one_edge
 from safeloc.models.occupied_track.variables import NO_EDGE, Parts, Slot
+from safeloc.models.occupied_track.world import on_its_edge
 
 
 def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
@@ -14,12 +15,10 @@ def lemmas(own: Parts, current: Num, table: tuple[Lit, ...]) -> dict[str, Bool]:
     carrying, seen = current.one_of(one_edge, several), own.ghosts
     there = tuple(slot.edge.ne(NO_EDGE) for slot in own.slots)
     alike = on_one_edge(tuple(slot.edge for slot in own.slots), there)
-    start = exact_to(seen.origin, NM)
-    end = start + exact_to(seen.length, NM)
     inside = between(exact_to(own.given_low, NM), seen.truth, exact_to(own.given_high, NM))
     return {
         "the true track has a slot": carrying.implies(any_of(_true(own, slot) for slot in own.slots)),
-        "the vehicle is on its edge": carrying.implies(between(start, seen.truth, end) & seen.place.eq(seen.truth - start)),
+        "the vehicle is on its edge": on_its_edge(own),
         "the interval holds the vehicle": carrying.implies(inside),
         "the interval is in order": own.given_low <= own.given_high,
         "a carried track meets the interval": all_of(~one | _meets(own, slot) for one, slot in zip(there, own.slots, strict=True)),

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from safeloc.models import occupied_track
+from safeloc.models.occupied_track.picture import picture
+from safeloc.models.occupied_track.reported import interval_on_the_edge
 from safeloc.models.occupied_track.variables import OccupiedTrackConfig, parts
 from safeloc.properties import occupied_track as claims
-from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Hazard, Target, single
-
-_ON_ITS_EDGE = Reported(truth="true_place_nm")
 
 
 def target(config: OccupiedTrackConfig) -> Target:
@@ -21,9 +20,16 @@ def target(config: OccupiedTrackConfig) -> Target:
         model.machine,
         claims.properties(model),
         config,
-        reported=_ON_ITS_EDGE,
+        reported=interval_on_the_edge(config.tracks),
         simulate=lambda seed: _simulated(config, seed),
+        pictures=(picture(config, _shipped),),
     )
+
+
+def _shipped() -> Collection[str]:
+    from safeloc.models.occupied_track.simulate import RUNS  # as below
+
+    return RUNS
 
 
 def _simulated(config: OccupiedTrackConfig, seed: int) -> Sequence[Mapping[str, Cell]]:

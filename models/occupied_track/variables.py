@@ -100,7 +100,7 @@ class Parts:
     reason               why no track is carried
     """
 
-    def __init__(self, config: OccupiedTrackConfig) -> None:
+    def __init__(self, config: OccupiedTrackConfig, truth: NumVar) -> None:
         self.config = config
         self.declared = declared = Declared()
         limit = config.position_limit_mm
@@ -125,13 +125,8 @@ class Parts:
         self.given_high = declared.state(number("given_high_mm", MM, -limit, limit), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_START)
         reach = limit + config.longest_edge_mm
-        self.ghosts: Ghosts = ghosts(
-            declared,
-            config.edges,
-            number("true_origin_mm", MM, -reach - config.longest_edge_mm, reach),
-            self._length,
-            number("truth_nm", NM, -reach * NM_PER_MM, reach * NM_PER_MM),
-        )
+        origin = number("true_origin_mm", MM, -reach - config.longest_edge_mm, reach)
+        self.ghosts: Ghosts = ghosts(declared, config.edges, origin, self._length, truth)
 
     def _edge(self, name: str) -> NumVar:
         return number(name, COUNT, NO_EDGE, self.config.edges)
@@ -173,5 +168,6 @@ class Parts:
 
 
 def parts(config: OccupiedTrackConfig) -> Parts:
-    """Return fresh variables for one machine."""
-    return Parts(config)
+    """Return fresh variables for one machine; where another machine's world moves the vehicle, use `Parts` with that machine's truth."""
+    reach = (config.position_limit_mm + config.longest_edge_mm) * NM_PER_MM
+    return Parts(config, number("truth_nm", NM, -reach, reach))

@@ -45,6 +45,13 @@ def world(own: Parts) -> World:
     )
 
 
+def on_its_edge(own: Parts) -> Bool:
+    """Return whether the front end is on its edge, at its place: so it is at first, and a vehicle that passes one joint in a cycle stays so."""
+    seen = own.ghosts
+    start = exact_to(seen.origin, NM)
+    return between(start, seen.truth, start + exact_to(seen.length, NM)) & seen.place.eq(seen.truth - start)
+
+
 # ------------------------------------------------------------------ where the vehicle goes
 
 

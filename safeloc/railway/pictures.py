@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 from safeloc.errors import ModelError
 from safeloc.language.renamed import check_keywords, renamed
 from safeloc.language.system import TransitionSystem
-from safeloc.reported import Reported
+from safeloc.reported import Reported, Tracks
 
 ThingKind = Literal["balise", "reflector", "marker"]
 
@@ -391,7 +391,33 @@ class Sources:
         return Read(tuple(inputs), reported=(*self.fused.outputs, self.lead, *intervals, *verdicts))
 
 
-Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall | Sources
+def _by_number(_: str) -> Mapping[int, str]:
+    return {}
+
+
+@dataclass(frozen=True)
+class PossibleEdges:
+    """A picture of the edges of a map over time: where each is possible, where it is told, and where it is the true one.
+
+    true_edge  ghost with the number of the true edge
+    called     recording (file name without ending) -> number of an edge -> its name on the map of that recording
+    period_ms  duration of a step
+    """
+
+    title: str
+    tracks: Tracks
+    true_edge: str
+    period_ms: int
+    mode: str = "mode"
+    called: Callable[[str], Mapping[int, str]] = _by_number
+
+    @property
+    def reads(self) -> Read:
+        """The names that it reads."""
+        return Read(reported=(self.tracks.edge, *(one.edge for one in self.tracks.possible), self.true_edge, self.mode))
+
+
+Picture: TypeAlias = Deviation | Approach | Recognition | Stanford | Standings | Waterfall | Sources | PossibleEdges
 
 
 def unreadable(picture: Picture, system: TransitionSystem) -> list[str]:

@@ -26,6 +26,7 @@ from safeloc.language.terms import Sharing, conjuncts
 from safeloc.language.units import Enumeration
 from safeloc.report.declared import declarations, place
 from safeloc.report.exact import Exact, spelled_alone
+from safeloc.reported import Reported
 
 
 def machine_data(target: Target) -> dict[str, Any]:
@@ -44,7 +45,7 @@ def machine_data(target: Target) -> dict[str, Any]:
         "transitions": sum(len(machine.transitions) for machine in target.machines),
         "configuration": _configuration(target),
         "figures": [] if target.config is None else list(figures(target.config)),
-        "reported": None if target.reported is None else asdict(target.reported),
+        "reported": None if target.reported is None else _interval(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
         "parts": [
             {"section": target.sections.get(machine.name, machine.name), **_part(machine, assumed)}
@@ -72,6 +73,11 @@ def _formula(target: Target, prop: Property) -> dict[str, Any]:
         "terms": [f"{word}: {term}" for word, term in zip(words, terms, strict=True)],
         "parts": [asdict(line) for line in lines],
     }
+
+
+def _interval(reported: Reported) -> dict[str, Any]:
+    """Return the names that make up the interval; the track that it lies on is among the signals."""
+    return {name: value for name, value in asdict(reported).items() if name != "tracks"}
 
 
 def _configuration(target: Target) -> Any:

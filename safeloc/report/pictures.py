@@ -7,9 +7,20 @@ from typing import Any, assert_never
 
 from safeloc.language.verdict import Violated
 from safeloc.proof.results import Finding, Replayed
-from safeloc.railway.pictures import Approach, Deviation, Picture, Recognition, Sources, Standings, Stanford, Waterfall
+from safeloc.railway.pictures import (
+    Approach,
+    Deviation,
+    Picture,
+    PossibleEdges,
+    Recognition,
+    Sources,
+    Standings,
+    Stanford,
+    Waterfall,
+)
 from safeloc.report.approach import approach_picture
 from safeloc.report.deviation import deviation_picture
+from safeloc.report.possible_edges import possible_edges_picture
 from safeloc.report.recognition import recognition_picture
 from safeloc.report.recorded_run import Broken, RecordedRun
 from safeloc.report.refusals import refusals_table
@@ -62,6 +73,8 @@ def _drawn(declared: Picture, recorded: RecordedRun) -> str:
             return recognition_picture(declared, recorded)
         case Stanford():
             return stanford_picture(declared, recorded)
+        case PossibleEdges():
+            return possible_edges_picture(declared, recorded)
         case Standings():
             return standings_picture(declared, recorded)
         case Sources():

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from safeloc.catalogue import load_target
 from safeloc.codegen.c99 import to_c
 from safeloc.codegen.c99_header import header
@@ -62,6 +64,30 @@ def test_statuses_below_the_inputs_have_numbers_that_stay() -> None:
     expected = ["OK", "NO_POINTER", "STATE_OUT_OF_RANGE", "FIRST_REFUSED", "SNAPSHOT_FOREIGN", "SNAPSHOT_DAMAGED"]
     fixed = {name: number for name, number, _ in statuses(counting()) if number < FIRST_INPUT_STATUS}
     assert fixed == {**{f"ADDER_{name}": number for number, name in enumerate(expected)}, "ADDER_STATE_NOT_SET": 7}
+
+
+@pytest.mark.parametrize(
+    ("name", "owner", "prefix"), [("occupied_track", "", ""), ("localizer_track", "occupied_track.", "occupied_track_")]
+)
+def test_the_header_says_that_the_edge_may_not_be_known(name: str, owner: str, prefix: str) -> None:
+    """A host that reads the header alone sees the edge, the possible ones, and that a coordinate is no place on the map."""
+    target = load_target(name)
+    text = header(layout_of(without_ghosts(target.system)), target.doc, _origin(target))
+    said = {
+        line.split(";")[0].split()[1]: line for line in text.splitlines() if line.startswith("    ") and ";" in line
+    }
+    assert (
+        "; edge of the map on which end A is, counted with its direction; 0: it is not known" in said[f"{prefix}edge"]
+    )
+    assert (
+        f"from the beginning of the edge that {owner}edge tells, while {owner}valid is 1"
+        in said[f"{prefix}position_mm"]
+    )
+    for slot in range(1, 5):
+        assert "; edge on which end A may be; 0: none" in said[f"{prefix}track_{slot}_edge"]
+        assert f"edge of {owner}track_{slot}_edge" in said[f"{prefix}track_{slot}_high_mm"]
+    if owner:
+        assert "no place on the map while occupied_track.edge is 0" in said["delocalized_position_mm"]
 
 
 def test_the_folder_says_what_it_was_exported_for() -> None:

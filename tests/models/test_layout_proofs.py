@@ -171,6 +171,22 @@ def search_start(layout: LayoutConfig) -> Claim:
     return Claim(given, rule, loose, ESTIMATE >= STATED)
 
 
+def edge(layout: LayoutConfig) -> Claim:
+    """A vehicle that ran over the end of its edge (at 0) in a cycle is still on the next one, whatever it ran beyond."""
+    run = [between(-layout.cycle_run_mm, OTHER, 0), TRUE_MM - OTHER <= layout.cycle_run_mm]
+    rule = rules.edge_outlasts_a_cycle(SPACING, layout)
+    return Claim(run, rule, 2 * SPACING >= layout.cycle_run_mm, TRUE_MM <= SPACING)
+
+
+def group(layout: LayoutConfig) -> Claim:
+    """When a group (its last balise at 0) has been read, up to a cycle late, the front end is not beyond the joint."""
+    off = layout.detection_accuracy_mm + layout.map_accuracy_mm
+    run = TRUE_MM - OTHER - layout.antenna_offset_mm
+    rule = rules.group_tells_its_edge(SPACING, layout)
+    given = [between(-off, OTHER, off), between(0, run, layout.cycle_run_mm)]
+    return Claim(given, rule, SPACING >= layout.antenna_offset_mm + off, TRUE_MM <= SPACING)
+
+
 CLAIMS: dict[str, Callable[[LayoutConfig], Claim]] = {
     claim.__name__: claim
     for claim in (
@@ -184,6 +200,8 @@ CLAIMS: dict[str, Callable[[LayoutConfig], Claim]] = {
         stop,
         function_test,
         search_start,
+        edge,
+        group,
     )
 }
 

@@ -14,12 +14,13 @@ from safeloc.language.interpret import evaluate
 from safeloc.language.units import COUNT, MM, PPM_PER_ONE
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.occupied_track import OccupiedTrackConfig
 
 LAYOUT = LayoutConfig()
 OFFSET = LayoutConfig(sensor_offset_mm=2_000, antenna_offset_mm=5_000)
 _OF_COUNTS = (
     rules.reflector_follows_balise, rules.routes_distinguishable, rules.sections_give_the_place, rules.near_sections_differ,
-    rules.code_withstands_an_error,
+    rules.code_withstands_an_error, rules.joint_has_two_ways,
 )  # fmt: skip
 UNIT = dict.fromkeys(_OF_COUNTS, COUNT)
 Rule = Callable[..., Bool]
@@ -92,6 +93,10 @@ BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], La
     "switch in view, near": (rules.switch_in_view, (1_000, 100_000, 3_000), (999, 100_000, 3_000), OFFSET),
     "direction": (rules.direction_shows, (False,), (True,), LAYOUT),
     "routes": (rules.routes_distinguishable, (1,), (0,), LAYOUT),
+    "edge": (rules.edge_outlasts_a_cycle, (10_000,), (9_999,), LAYOUT),
+    "ways at a joint": (rules.joint_has_two_ways, (2,), (3,), LAYOUT),
+    "group before a joint": (rules.group_tells_its_edge, (5_495,), (5_494,), LAYOUT),
+    "group before a joint, antenna": (rules.group_tells_its_edge, (10_495,), (10_494,), OFFSET),
     "balise windows": (rules.expectation_windows_apart, (74_001, 12_000, 0), (74_000, 12_000, 0), LAYOUT),
     "stop view, far": (
         rules.stop_reflector_in_view,
@@ -111,7 +116,7 @@ BOUNDS: dict[str, tuple[Rule, tuple[int | bool, ...], tuple[int | bool, ...], La
     "stop window, wide before": (rules.stop_window_fits, (500, 500), (501, 500), LAYOUT),
     "stop window, wide after": (rules.stop_window_fits, (500, 500), (500, 501), LAYOUT),
 }
-PLAIN = (rules.code_withstands_an_error, rules.branch_models_differ, rules.direction_shows)
+PLAIN = (rules.code_withstands_an_error, rules.joint_has_two_ways, rules.branch_models_differ, rules.direction_shows)
 
 
 @pytest.mark.parametrize("bound", BOUNDS)
@@ -204,6 +209,21 @@ def test_tolerance_must_leave_room() -> None:
         ValidationError, match="is not above odometry_constant_mm 5000: no distance can be run within it"
     ):
         LayoutConfig(tolerance_mm=5_000)
+
+
+def test_an_edge_must_outlast_a_cycle() -> None:
+    """Otherwise a vehicle passes a whole edge within a cycle, which the occupied track cannot follow."""
+    with pytest.raises(
+        ValidationError, match="shortest_edge_mm 4000 is below cycle_run_mm 4445: the vehicle could pass"
+    ):
+        LayoutConfig(shortest_edge_mm=4_000)
+
+
+def test_the_figures_are_those_of_the_occupied_track() -> None:
+    """The audit's defaults are what the machine is proved with."""
+    machine = OccupiedTrackConfig()
+    assert machine.shortest_edge_mm == LAYOUT.shortest_edge_mm
+    assert -(-machine.max_speed_mm_s * machine.period_ms // 1_000) == LAYOUT.cycle_run_mm
 
 
 def test_figures_carry_unit_and_source() -> None:

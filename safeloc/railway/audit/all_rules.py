@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.railway.audit.edges import check_edges
 from safeloc.railway.audit.findings import AuditReport, Ledger, by_weight
 from safeloc.railway.audit.neighbours import check_balises, check_reflectors
 from safeloc.railway.audit.position_codes import check_position_codes
@@ -32,6 +33,7 @@ def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "defaul
     check_reflectors(walk, rules, ledger)
     check_balises(walk, rules, ledger)
     check_switches(walk, rules, ledger)
+    check_edges(walk, rules, ledger)
     check_stops(walk, rules, ledger)
     check_position_codes(walk, rules, ledger)
     routes, pairs = check_routes(walk, rules, ledger)

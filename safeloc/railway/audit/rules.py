@@ -171,6 +171,25 @@ class Rules:
         return Rule("ways compared", ("RFL-D6",), TRUE, advice=True)
 
     @cached_property
+    def edge_length(self) -> Rule:
+        """Edges are longer than what a vehicle runs in a cycle."""
+        return Rule(
+            "edge longer than a cycle's run", ("RFL-D6",), terms.edge_outlasts_a_cycle(_mm("length_mm"), self.layout)
+        )
+
+    @cached_property
+    def ways_at_joints(self) -> Rule:
+        """At most two edges lead on from a joint."""
+        term = terms.joint_has_two_ways(number("ways", COUNT, 0, _REACH_MM))
+        return Rule("two ways at a joint", ("RFL-D6",), term)
+
+    @cached_property
+    def group_before_joint(self) -> Rule:
+        """A group tells the edge on which the front end is."""
+        term = terms.group_tells_its_edge(_mm("to_joint_mm"), self.layout)
+        return Rule("group before a joint", ("RFL-D6",), term)
+
+    @cached_property
     def balise_windows(self) -> Rule:
         """Expectation windows of balises do not overlap."""
         figures = (_mm("spacing_mm"), _mm("first_accuracy_mm"), _mm("second_accuracy_mm"))

@@ -21,7 +21,7 @@ from safeloc.language.units import Enumeration
 from safeloc.runtime.border import Fault
 from safeloc.runtime.breaches import Breach
 from safeloc.runtime.embedding.laws import ObservableLaws
-from safeloc.runtime.embedding.report import Interval, Move, Report
+from safeloc.runtime.embedding.report import Interval, Move, Report, Track
 from safeloc.runtime.embedding.target_inputs import TargetInputs
 from safeloc.target import Target
 
@@ -98,6 +98,15 @@ class Program(TargetInputs):
         ends = self.target.reported.interval_mm(values)
         return None if ends is None else Interval(*ends)
 
+    def track(self, values: Mapping[str, Value]) -> Track | None:
+        """Return the track that these outputs tell; None for a machine whose interval lies along the line."""
+        tracks = None if self.target.reported is None else self.target.reported.tracks
+        if tracks is None:
+            return None
+        there = [one for one in tracks.possible if values[one.edge]]
+        possible = tuple((int(values[one.edge]), Interval(values[one.low], values[one.high])) for one in there)
+        return Track(int(values[tracks.edge]) or None, possible)
+
     def quiet(self, first: Row) -> bool:
         """Return whether this initial state reports no position, so that a restart is always safe."""
         return self.target.reported is not None and self.interval(self.code.named_outputs(first)) is None
@@ -113,7 +122,7 @@ class Program(TargetInputs):
         interval, outputs = self.interval(values), without_absent(values, self._stand_ins)
         return Report(
             self.name, number, end_ms, self.modes(state), moves, outputs, self.labels, interval, faults,
-            anew, standing, breaches,
+            anew, standing, breaches, self.track(values),
         )  # fmt: skip
 
 

@@ -42,6 +42,30 @@ def _metres(length_mm: int) -> str:
 
 
 @dataclass(frozen=True)
+class Track:
+    """The track that is told: an edge by its number on the map, or that it is not known, and the edges that are possible.
+
+    edge      the edge along which the reported interval lies; None while it is not known
+    possible  every edge on which the vehicle may be, with the interval along it; empty while nothing is known
+    """
+
+    edge: int | None
+    possible: tuple[tuple[int, Interval], ...]
+
+    def words(self, interval: Interval | None) -> str:
+        """Return edge and place, or that the edge is not known, and where the vehicle may be."""
+        if self.edge is not None and interval is not None:
+            return f"on edge {self.edge}, {interval.words()}"
+        named = " or ".join(f"on edge {edge}, {place.words()}" for edge, place in self.possible)
+        return f"edge not known: {named or 'nothing reported'}"
+
+    def as_data(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        possible = [{"edge": edge, "interval_mm": [one.low_mm, one.high_mm]} for edge, one in self.possible]
+        return {"edge": self.edge, "possible": possible}
+
+
+@dataclass(frozen=True)
 class Move:
     """A transition that fired: machine, name, mode before and after, and the requirements that it implements."""
 
@@ -71,6 +95,7 @@ class Report:
     anew        the reason for a restart of the machine in this cycle; "" without a restart
     standing    the comparison of the interval with a truth record of the cycle; None without such a record
     breaches    broken laws of the worlds that the inputs of the cycle reveal; empty if the laws are not checked
+    track       the track along which the interval lies; None for a machine whose interval lies along the line
     """
 
     machine: str
@@ -85,6 +110,7 @@ class Report:
     anew: str = ""
     standing: Standing | None = None
     breaches: tuple[Breach, ...] = ()
+    track: Track | None = None
 
     @cached_property
     def outputs(self) -> Mapping[str, Value | str | None]:
@@ -103,6 +129,7 @@ class Report:
     def words(self) -> str:
         """Return one sentence for a log."""
         where = "nothing reported" if self.interval is None else self.interval.words()
+        where = where if self.track is None else self.track.words(self.interval)
         parts = [f"cycle {self.cycle} at {self.time_ms} ms: {self.mode}", where]
         parts += [f"restarted ({self.anew})"] if self.anew else []
         parts += [f"{fault.channel} not used: {_reason_of(fault)}" for fault in self.rejections]
@@ -115,6 +142,8 @@ class Report:
         data["fired"] = {move.machine: move.name for move in self.moves}
         interval = self.interval
         data["interval_mm"] = None if interval is None else [interval.low_mm, interval.high_mm]
+        if self.track is not None:
+            data["track"] = self.track.as_data()
         data["outputs"] = dict(self.outputs)
         if self.rejections:
             data["rejections"] = [_fault_data(fault) for fault in self.rejections]

@@ -11,6 +11,7 @@ from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.findings import Finding
 from safeloc.railway.audit.vehicle import find_layout
+from safeloc.railway.map.elements import Balise, Crossing, Node, TrackEdge
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.toml_files import find_line
 
@@ -58,6 +59,9 @@ def test_every_rule_is_put_to_the_test() -> None:
         "reflectors across tracks",
         "models on branches",
         "switch in view",
+        "edge longer than a cycle's run",
+        "two ways at a joint",
+        "group before a joint",
         "stop window",
         "standstill distance",
         "reflector in view at stop",
@@ -160,6 +164,18 @@ BROKEN: dict[str, tuple[Callable[[], Line], str, str]] = {
         "models on branches",
         "behind 306: reflector 314 (B) and reflector 318 (B), on 304-306 at 300000 mm, km 30.800000",
     ),
+    "an edge shorter than a cycle's run allows": (
+        lambda: changed("fig3", "edges", "302-303", length_mm=9_999),
+        "edge longer than a cycle's run",
+        "edge 302-303, on 302-303 at 0 mm, km 30.300000: length 9.999 m, must be >= 10.000 m",
+    ),
+    "a group that is read behind its joint": (
+        lambda: changed(
+            "fig3", "balise_groups", "106", balises=(Balise(position_mm=291_000), Balise(position_mm=294_506))
+        ),
+        "group before a joint",
+        "balise group 106 before 302, increasing, on 301 at 291000 mm, km 30.291000: to joint 5.494 m, must be >= 5.495 m",
+    ),
     "routes that look alike": (
         lambda: changed("fig3", "reflectors", "318", model="B"),
         "routes told apart",
@@ -184,6 +200,22 @@ def test_a_broken_rule_is_found(broken: str) -> None:
     found = [finding for finding in report.violated if finding.rule == rule]
     assert any(told in finding.as_text() for finding in found), [finding.as_text() for finding in report.findings]
     assert report.as_data()["holds"] is False
+
+
+def test_a_joint_with_three_ways_is_found() -> None:
+    """The occupied track takes two edges at each end of an edge; a three-way switch is drawn as two switches."""
+    joint = Line(
+        name="fan",
+        version="1",
+        nodes=tuple(Node(id=name) for name in "abcde"),
+        edges=tuple(
+            TrackEdge(id=f"{one}{two}", from_node=one, to_node=two, length_mm=200_000)
+            for one, two in ("ab", "bc", "bd", "be")
+        ),
+        crossings=(Crossing(id="x", node="b", movements=(("ab", "bc"), ("ab", "bd"), ("ab", "be"))),),
+    )
+    found = [one.as_text() for one in audit(joint).violated if one.rule == "two ways at a joint"]
+    assert any("b from ab to bc, bd, be, on ab at 200000 mm: ways 3, must be <= 2" in one for one in found), found
 
 
 def advice(line: Line, layout: LayoutConfig | None = None) -> list[Finding]:
