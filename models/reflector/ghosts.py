@@ -99,7 +99,7 @@ class Ghosts(Moving):
 
     @property
     def reflector(self) -> tuple[Bool, ...]:
-        """Whether the echo of each slot comes from a reflector."""
+        """The echo comes from a reflector, for each slot."""
         return tuple(kind.ne(NO_MODEL) for kind in self.kind)
 
 
