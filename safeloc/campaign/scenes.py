@@ -30,6 +30,7 @@ from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.simulated import first_values
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, ManySimulation, packed
+from safeloc.simulation.vehicle_seed import VehicleSeed
 from safeloc.simulation.vehicles import load_vehicle
 from safeloc.target import Target
 
@@ -86,11 +87,10 @@ class OwnSimulation:
         """The length of a cycle, as far as the configuration says it; else 1 000 ms."""
         return configured_period_ms(self.target.name, self.target.config) or 1_000
 
-    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+    def runs(self, drawn: Drawn, cycles: int) -> ManyRuns:
         """Return the runs of the vehicles."""
         assert self.target.simulate is not None
-        seeds = rng.integers(0, 2**31, drawn.vehicles)
-        made = [self.target.simulate(int(seed)) for seed in seeds]
+        made = [self.target.simulate(int(seed.rng("simulation").integers(0, 2**31))) for seed in drawn.seeds]
         return ManyRuns(packed(self.target.system, made, cycles), self._first([first_values(run) for run in made]))
 
     def _first(self, chosen: Sequence[Mapping[str, Value]]) -> dict[str, Array | Value]:
@@ -256,7 +256,7 @@ def drawn_runs(campaign: Campaign, shard: Shard) -> tuple[Scene, Drawn, ManyRuns
     scene = scene_of(campaign, shard.stratum)
     rng = np.random.default_rng([campaign.declared.seed, shard.number])
     drawn = _drawn(campaign, shard, scene.simulation, rng)
-    return scene, drawn, scene.simulation.runs(drawn, campaign.declared.cycles, rng)
+    return scene, drawn, scene.simulation.runs(drawn, campaign.declared.cycles)
 
 
 def _drawn(campaign: Campaign, shard: Shard, simulation: ManySimulation, rng: np.random.Generator) -> Drawn:
@@ -272,7 +272,8 @@ def _drawn(campaign: Campaign, shard: Shard, simulation: ManySimulation, rng: np
         place = ("situations", shard.stratum.situation, "faults", index)
         for run, struck in enumerate(_faults(campaign, fault, place, simulation, rng, number)):
             faults[run].append(struck)
-    return Drawn(number, figures, faults)
+    seeds = [VehicleSeed(campaign.declared.seed, (shard.number, vehicle)) for vehicle in range(number)]
+    return Drawn(number, figures, faults, seeds)
 
 
 def _faults(

@@ -147,11 +147,9 @@ def measure_many(
     true_nm   true distances, array [cycle, run]; of one column if all runs drive alike
     """
     cycles, runs = len(true_nm), len(rngs)
-    bias, present = np.empty((cycles, runs)), np.empty((cycles, runs), dtype=np.bool_)
-    wanted = np.empty((cycles // _EPISODE + 1, runs))
-    for run, rng in enumerate(rngs):
+    bias, wanted, present = draws_of(rngs, cycles, dropout)
+    for run in range(runs):
         KINDS.require(faults[run])
-        bias[:, run], wanted[:, run], present[:, run] = _drawn(rng, cycles, dropout[run])
         present[:, run] &= ~_silenced(name, cycles, faults[run])
     step, wander = measured(true_nm, period_ms, law, np.array(severity, dtype=np.float64), bias, wanted, present)
     _check_wander(name, law, wander)
@@ -161,17 +159,18 @@ def measure_many(
     return Distances(name, step, present, wander)
 
 
-def _drawn(
-    rng: np.random.Generator, cycles: int, dropout: float
+def draws_of(
+    rngs: Sequence[np.random.Generator], cycles: int, dropout: Sequence[float]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Return, of one run: the share of the drift in each cycle, the wander wanted in each 100 cycles, and whether a cycle is measured."""
-    bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
-    return bias, rng.uniform(-1, 1, cycles // _EPISODE + 1), rng.random(cycles) >= dropout
-
-
-def skip_measure(rng: np.random.Generator, cycles: int) -> None:
-    """Draw what `measure` draws of a unit, where other measurements take the place of its own."""
-    _drawn(rng, cycles, 0.0)
+    """Return, of each run: the share of the drift in each cycle, the wander wanted in each episode, and whether a cycle is measured."""
+    bias, wanted = np.empty((len(rngs), cycles)), np.empty((len(rngs), cycles // _EPISODE + 1))
+    present = np.empty((len(rngs), cycles), dtype=np.bool_)
+    for run, (rng, share) in enumerate(zip(rngs, dropout, strict=True)):
+        bias[run] = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
+        wanted[run] = rng.uniform(-1, 1, cycles // _EPISODE + 1)
+        present[run] = rng.random(cycles) >= share
+    bias, wanted = (np.ascontiguousarray(one.T) for one in (bias, wanted))
+    return bias, wanted, np.ascontiguousarray(present.T)
 
 
 def measured(
@@ -326,11 +325,16 @@ def read_markers(
 
 def _met(places: NDArray[np.int64], start_nm: int, spots_mm: Sequence[float]) -> dict[int, int]:
     """Return the cycles in which a reader passes a place, in order, each with the number of the last place that it passes there."""
+    spots = np.array(spots_mm, dtype=np.float64) * NM_PER_MM
     before = np.concatenate([[start_nm], places[:-1]])
-    low, high = np.minimum(before, places), np.maximum(before, places)
     found: dict[int, int] = {}
-    for number, spot in enumerate(spots_mm):
-        true = spot * NM_PER_MM
+    if (before <= places).all():  # a run that never turns back passes each place once
+        met = (spots > start_nm) & (spots <= places[-1]) if len(places) else np.zeros(len(spots), dtype=np.bool_)
+        for number, cycle in zip(np.flatnonzero(met).tolist(), np.searchsorted(places, spots[met]).tolist(), strict=True):
+            found[cycle] = number
+        return dict(sorted(found.items()))
+    low, high = np.minimum(before, places), np.maximum(before, places)
+    for number, true in enumerate(spots.tolist()):
         found |= dict.fromkeys(np.flatnonzero((low < true) & (true <= high)).tolist(), number)
     return dict(sorted(found.items()))
 
