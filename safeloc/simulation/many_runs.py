@@ -43,12 +43,16 @@ class DrawnFigure:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The draws of each vehicle: figures (name -> array [vehicle]), faults, and the seed of its sensors."""
+    """The draws of each vehicle: figures (name -> array [vehicle]), faults, and the seed of its sensors.
+
+    weights  the number of vehicles of the declared distributions for which each stands; None: 1 each
+    """
 
     vehicles: int
     figures: Mapping[str, NDArray[np.float64]]
     faults: Sequence[Sequence[Fault]]
     seeds: Sequence[VehicleSeed]
+    weights: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, eq=False)
