@@ -22,10 +22,20 @@ from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
 from safeloc.simulation.motion import Motions
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import SEVERITY, Distances, draws_of, faulty, measure_many, measured, passages, read_markers
+from safeloc.simulation.sensors import (
+    SEVERITY,
+    Distances,
+    draws_of,
+    faulty,
+    measure_many,
+    measured,
+    passages,
+    read_markers,
+)
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 MISSED = "missed"
+_ACCURACY_MM = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +95,8 @@ def simulate_shared(
 ) -> dict[str, Array]:
     """Return the inputs of vehicles, each with its motion, without drop-outs and markers missed.
 
-    A fault of a reader at a time without a reading changes nothing.
+    Markers lie up to nine tenths of their accuracy from their places on the map, other ones for each reader and vehicle. A fault of a reader at a
+    time without a reading changes nothing.
 
     shared  distances [cycle, vehicle] of the front end's units that other machines read as well; None: a unit of its own
     """
@@ -93,9 +104,7 @@ def simulate_shared(
     inputs = absent_everywhere(system, cycles, vehicles)
     inputs["true_cycle_distance_nm"][:] = motions.distance_nm
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
-    for name, law, other in zip(
-        units_of(config), units_of(config).values(), [*shared, None, None], strict=False
-    ):
+    for name, law, other in zip(units_of(config), units_of(config).values(), [*shared, None, None], strict=False):
         unit = other or measure_many(
             name, motions.distance_nm, motions.period_ms, law, [seed.rng(f"odometry {name}") for seed in seeds],
             dropout=[0.0] * vehicles, severity=[SEVERITY] * vehicles,
@@ -103,10 +112,11 @@ def simulate_shared(
         )  # fmt: skip
         inputs[f"{name}_mm"] = np.where(unit.present, unit.distance_mm, 0)
         inputs[f"{name}_mm.present"], inputs[f"{name}_next_wander_nm"] = unit.present, unit.wander_nm
+    accuracy_mm = dict.fromkeys((marker for marker, _ in markers), _ACCURACY_MM)
     for run, seed in enumerate(seeds):
         motion = motions.of(run)
         for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
-            read = read_markers(motion, end, offset, markers, 1_000, seed.rng(f"odometry {name}"))
+            read = read_markers(motion, end, offset, markers, accuracy_mm, seed.rng(f"odometry {name}"))
             own = [fault for fault in faults[run] if fault.where == name]
             for one in with_faults(name, read, markers, own, anywhen=True):
                 if one.cycle < cycles:

@@ -24,6 +24,7 @@ from safeloc.campaign.statistics import (
     tilted_share,
     weighted_mean,
 )
+from safeloc.language.units import NM_PER_MM
 
 _LAWS = {"kept": "law kept", "broken": "law broken"}
 _STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
@@ -262,7 +263,9 @@ class Results:
             for one in self._campaign.strata
             if one.number in counts
         ]
-        strata = self._campaign.strata  # a clause may be one of some vehicles' configuration only; vehicles that count unlike are not summed
+        strata = (
+            self._campaign.strata
+        )  # a clause may be one of some vehicles' configuration only; vehicles that count unlike are not summed
         missing = len(parts) < len(strata) or any(self._tilted(one) for one in strata)
         return {
             "name": name,
@@ -287,6 +290,14 @@ class Results:
             "select x, sum(cycles), sum(told), sum(width_sum_mm) // greatest(sum(told), 1), max(widest_mm) from rows_ "
             f"where row = 'place' and stratum = {stratum.number} group by x order by x"
         )
+
+    def margins_mm(self, stratum: Stratum) -> list[int]:
+        """Return of the vehicles' smallest margins the least, that of 1 %, of 10 % and the median, mm; nothing without a report."""
+        found = self._one(
+            "select quantile_disc(least_margin_nm, [0, 0.01, 0.1, 0.5]) from rows_ where row = 'vehicle' and least_margin_nm is not null "
+            f"and stratum = {stratum.number}"
+        )
+        return [one // NM_PER_MM for one in found or ()]
 
     def times(self, stratum: Stratum, column: str) -> list[tuple[int, int]]:
         """Return times (-1: not until the end) and the number of vehicles with each."""

@@ -201,7 +201,10 @@ def check_strata(campaign: Campaign) -> None:
 
 
 def _check_tilt(
-    campaign: Campaign, declared: Mapping[str, Distribution], tilts: Mapping[str, Distribution], place: Sequence[str | int]
+    campaign: Campaign,
+    declared: Mapping[str, Distribution],
+    tilts: Mapping[str, Distribution],
+    place: Sequence[str | int],
 ) -> None:
     for name, one in tilts.items():
         why = refusal(declared.get(name), one)

@@ -73,7 +73,9 @@ def _common() -> str:
 def _digest_of_stratum(campaign: Campaign, stratum: Stratum) -> str:
     declared, scene = campaign.declared, scene_of(campaign, stratum)
     said = {
-        "situation": campaign.situation_of(stratum).model_dump(mode="json", include={"figures", "faults", "tilt", "tilted"}),
+        "situation": campaign.situation_of(stratum).model_dump(
+            mode="json", include={"figures", "faults", "tilt", "tilted"}
+        ),
         "figures": {name: one.model_dump(mode="json") for name, one in declared.figures.items()},
         "cycles": declared.cycles,
         "seed": declared.seed,

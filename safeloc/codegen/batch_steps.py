@@ -181,7 +181,10 @@ class _InLanes:
 
     def __init__(self, batch: LanesBatch, columns: list[Array], state: list[Array], told: dict[str, Array]) -> None:
         self.told = told
-        self._kept = (columns, [state, [np.empty_like(array) for array in state]])  # the addresses below must stay theirs
+        self._kept = (
+            columns,
+            [state, [np.empty_like(array) for array in state]],
+        )  # the addresses below must stay theirs
         self._of_states = [_addresses(arrays) for arrays in self._kept[1]]
         self._of_told, self._first_rows = _addresses(list(told.values())), _addresses(columns)
         self._row_bytes = np.array([column.strides[0] for column in columns], dtype=np.uintp)
@@ -191,7 +194,9 @@ class _InLanes:
         before, after, rows, strides, of_told = (
             ctypes.c_void_p(array.ctypes.data) for array in (*self._of_states, self._rows, self._strides, self._of_told)
         )
-        self._given = [(one, other, rows, strides, of_told, *sizes) for one, other in ((before, after), (after, before))]
+        self._given = [
+            (one, other, rows, strides, of_told, *sizes) for one, other in ((before, after), (after, before))
+        ]
         self._run = batch.library.run_lanes
 
     def step(self, number: int) -> None:

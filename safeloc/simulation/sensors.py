@@ -330,7 +330,9 @@ def _met(places: NDArray[np.int64], start_nm: int, spots_mm: Sequence[float]) ->
     found: dict[int, int] = {}
     if (before <= places).all():  # a run that never turns back passes each place once
         met = (spots > start_nm) & (spots <= places[-1]) if len(places) else np.zeros(len(spots), dtype=np.bool_)
-        for number, cycle in zip(np.flatnonzero(met).tolist(), np.searchsorted(places, spots[met]).tolist(), strict=True):
+        for number, cycle in zip(
+            np.flatnonzero(met).tolist(), np.searchsorted(places, spots[met]).tolist(), strict=True
+        ):
             found[cycle] = number
         return dict(sorted(found.items()))
     low, high = np.minimum(before, places), np.maximum(before, places)

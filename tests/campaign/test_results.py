@@ -29,7 +29,6 @@ from tests.campaign.test_shards import rows
 from tests.cli.calling import Call
 from tests.codegen.c_folder import needs_compiler
 
-
 ROOT = Path(safeloc.__file__).parents[1]
 
 
@@ -93,8 +92,20 @@ def test_a_kept_stream_is_shortened_to_what_matters(finished: Path) -> None:
 
 def test_the_regression_test_passes_and_fails_as_it_says(finished: Path) -> None:
     """Near misses stay contained, a wrong interval after a broken law is expected; a stream of another kind is noticed."""
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", str(finished / "streams" / NAME)]
-    told = subprocess.run(command, capture_output=True, text=True, check=False, cwd=finished, env={**os.environ, "PYTHONPATH": str(ROOT)})
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:randomly",
+        str(finished / "streams" / NAME),
+    ]
+    told = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=finished, env={**os.environ, "PYTHONPATH": str(ROOT)}
+    )
     assert (0, True) == (told.returncode, "3 passed, 3 xfailed" in told.stdout), told.stdout
     target = load_target(SKIDDING)
     data = json.loads((finished / "results.json").read_text(encoding="utf-8"))
@@ -126,9 +137,12 @@ def test_the_page_shows_every_figure_with_its_interval(finished: Path) -> None:
         "exact binomial (Clopper-Pearson)",
         "wrong interval",
         "Width along the line",
+        "streams/test_found.py",
     ):
         assert words in page
-    assert {"width.svg", "stanford.svg", "reaction.svg"} <= {path.name for path in finished.iterdir()}
+    assert {"width.svg", "availability.svg", "margins.svg", "stanford.svg", "reaction.svg"} <= {
+        path.name for path in finished.iterdir()
+    }
     assert "misleading" in (finished / "stanford.svg").read_text(encoding="utf-8")
 
 

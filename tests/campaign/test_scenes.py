@@ -89,7 +89,11 @@ def test_localizers_without_a_fault_keep_every_law(journey: str) -> None:
 @pytest.mark.parametrize("journey", NOMINAL)
 def test_a_silent_odometer_keeps_every_law(journey: str) -> None:
     """A unit that says nothing says nothing wrong, also with its first distances after a silence of any length."""
-    text = LOCALIZER.replace("main-line", journey).replace("spoofing", "odometer silent").replace("vehicles = 1\n", "vehicles = 16\n")
+    text = (
+        LOCALIZER.replace("main-line", journey)
+        .replace("spoofing", "odometer silent")
+        .replace("vehicles = 1\n", "vehicles = 16\n")
+    )
     begin, lasts = ('low = 200, high = 600, unit = "cycles"', 'low = 10, high = 380, unit = "cycles"')
     text = text.replace('"fixed", value = 800, unit = "cycles"', f'"uniform", {begin}').replace(
         '"fixed", value = 10, unit = "s"', f'"log-uniform", {lasts}'

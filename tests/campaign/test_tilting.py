@@ -58,7 +58,9 @@ def estimated(seed: int, number: int) -> tuple[Estimate, Estimate]:
     counted: Floats = tilting.weights * (values > 4)
     assert tilting.weights.max() <= 2
     beyond = int((plain.draw(np.random.default_rng(seed), number) > 4).sum())
-    return tilted_share(float(counted.sum()), float((counted**2).sum()), number, 2.0, 0.95), proportion(beyond, number, 0.95)
+    return tilted_share(float(counted.sum()), float((counted**2).sum()), number, 2.0, 0.95), proportion(
+        beyond, number, 0.95
+    )
 
 
 def test_the_estimate_of_a_known_probability() -> None:
@@ -145,8 +147,11 @@ def test_a_tilted_time_of_a_fault_keeps_its_unit() -> None:
     """Times are tilted in the fault's own table."""
     tilt = 'lasts = { distribution = "fixed", value = 50, unit = "cycles" }\n'
     drawn = tilt.replace('"fixed", value = 50', '"uniform", low = 10, high = 50')
-    rare = "tilt = { lasts = { distribution = \"uniform\", low = 40, high = 50, unit = \"s\" } }\n"
-    with pytest.raises(InputError, match=r"^c\.toml:\d+: situations\.1\.faults\.0\.tilt\.lasts: its unit is cycles, as declared, not 's'"):
+    rare = 'tilt = { lasts = { distribution = "uniform", low = 40, high = 50, unit = "s" } }\n'
+    with pytest.raises(
+        InputError,
+        match=r"^c\.toml:\d+: situations\.1\.faults\.0\.tilt\.lasts: its unit is cycles, as declared, not 's'",
+    ):
         check_strata(campaign(**{tilt: drawn + rare}))
     one = campaign(**{tilt: drawn + rare.replace('"s"', '"cycles"')})
     check_strata(one)

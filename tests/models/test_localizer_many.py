@@ -42,7 +42,9 @@ def differing(config: LocalizerConfig, journeys: Sequence[Journey]) -> list[str]
     streams = [with_truth(config, one, seed=seed) for one, seed in zip(journeys, seeds, strict=True)]
     expected = packed(system(config), streams, len(streams[0]))
     assert expected.keys() == found.keys()
-    assert len({tuple(column) for column in found["true_cycle_distance_nm"].T}) == len({one.legs[-1] for one in journeys})
+    assert len({tuple(column) for column in found["true_cycle_distance_nm"].T}) == len(
+        {one.legs[-1] for one in journeys}
+    )
     return [name for name, values in found.items() if not np.array_equal(values, expected[name])]
 
 
@@ -72,7 +74,10 @@ def test_all_sources_of_many(name: str) -> None:
     assert len(cases) >= 8
     stop = nominal.legs[-1].seconds
     legs = [[*nominal.legs[:-1], Leg(500 * number, stop)] for number in range(len(cases))]
-    assert differing(config, [replace(nominal, troubles=[one], legs=own) for one, own in zip(cases, legs, strict=True)]) == []
+    assert (
+        differing(config, [replace(nominal, troubles=[one], legs=own) for one, own in zip(cases, legs, strict=True)])
+        == []
+    )
 
 
 @pytest.mark.thorough
@@ -91,7 +96,8 @@ def test_vehicles_on_other_branches_keep_their_places() -> None:
         for share, own in zip(shares.tolist(), faults, strict=True)
     ]
     alone = [
-        Fleet(Vehicles(config, [one], [seed]), system(config), None).inputs() for one, seed in zip(journeys, seeds, strict=True)
+        Fleet(Vehicles(config, [one], [seed]), system(config), None).inputs()
+        for one, seed in zip(journeys, seeds, strict=True)
     ]
     expected = {name: np.concatenate([one[name] for one in alone], axis=1) for name in runs.inputs}
     assert [name for name, values in runs.inputs.items() if not np.array_equal(values, expected[name])] == []
@@ -125,8 +131,14 @@ def test_a_vehicle_whose_journey_ends_stands_there() -> None:
 def test_figures_of_the_motion_make_every_vehicle_another_run() -> None:
     """Speed, acceleration and the time for which it stands are drawn for each; the journey's own ones are the defaults."""
     journeys = LocalizerJourneys(WITHOUT_MACHINES, system(WITHOUT_MACHINES), "metro")
-    figures = {TOP: np.array([1.0, 0.5, 1.0, 1.0]), ACCELERATION: np.array([1.0, 1.0, 0.5, 1.0]), STANDS: np.array([0, 0, 0, 50.0])}
-    drawn = Drawn(4, {**figures, "satellites": np.zeros(4)}, [[]] * 4, [VehicleSeed(1, (number,)) for number in range(4)])
+    figures = {
+        TOP: np.array([1.0, 0.5, 1.0, 1.0]),
+        ACCELERATION: np.array([1.0, 1.0, 0.5, 1.0]),
+        STANDS: np.array([0, 0, 0, 50.0]),
+    }
+    drawn = Drawn(
+        4, {**figures, "satellites": np.zeros(4)}, [[]] * 4, [VehicleSeed(1, (number,)) for number in range(4)]
+    )
     step = journeys.runs(drawn, 400).inputs["true_cycle_distance_nm"]
     assert [1_500, 750, 1_324, 1_500] == [round(most / 1e6) for most in step.max(axis=0).tolist()]
     assert [20, 20, 20, 70] == (step > 0).argmax(axis=0).tolist()

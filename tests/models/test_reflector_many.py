@@ -47,7 +47,9 @@ def test_many_vehicles_are_simulated_as_each_one_alone(number: int) -> None:
         alone, own = Motions.alone(motions.of(vehicle)), distances.of(vehicle).as_column
         expected = simulate_many(CONFIG, SCENE, alone, own, [faults[vehicle]], ByPurpose([seed], cycles))
         assert expected.keys() == found.keys()
-        assert [name for name, values in found.items() if not np.array_equal(values[:, vehicle], expected[name][:, 0])] == []
+        assert [
+            name for name, values in found.items() if not np.array_equal(values[:, vehicle], expected[name][:, 0])
+        ] == []
     assert found["echo_2_range_mm.present"].any(axis=0).all()
     assert len({tuple(column) for column in found["echo_1_range_mm"].T}) == number
 
@@ -70,12 +72,20 @@ def test_frames_of_all_cycles_are_those_of_each_cycle() -> None:
     motions = move_many([VehicleConfig()], LEGS[:1], config.period_ms)
     faults = [[fault for some in FAULTS for fault in some]]
     distances = measure_many(
-        "wheel", motions.distance_nm, config.period_ms, config.odometer, [seed.rng("wheel")], dropout=[0.0], severity=[0.9], faults=[()]
+        "wheel",
+        motions.distance_nm,
+        config.period_ms,
+        config.odometer,
+        [seed.rng("wheel")],
+        dropout=[0.0],
+        severity=[0.9],
+        faults=[()],
     )
     scene = Scene(replace(FIGURE_2, balises=()), clutter=0.5, pauses=0.1, dropout=0)
     cycles = len(motions.position_nm)
     found, expected = (
-        simulate_many(config, scene, motions, distances, faults, draws) for draws in (ByPurpose([seed], cycles), _InTurn([seed], cycles))
+        simulate_many(config, scene, motions, distances, faults, draws)
+        for draws in (ByPurpose([seed], cycles), _InTurn([seed], cycles))
     )
     assert [name for name, values in expected.items() if not np.array_equal(values, found[name])] == []
     assert found["echo_1_from_reflector"].any() and not found["frame_present"].all()

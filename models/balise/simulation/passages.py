@@ -92,9 +92,7 @@ def passages(
     return found
 
 
-def _met(
-    before: NDArray[np.int64], after: NDArray[np.int64], front: NDArray[np.int64]
-) -> Sequence[tuple[int, int]]:
+def _met(before: NDArray[np.int64], after: NDArray[np.int64], front: NDArray[np.int64]) -> Sequence[tuple[int, int]]:
     """Return the cycles, from `before` to `after`, in which the front end passes its places, each with the number of the place."""
     if (before <= after).all():  # a run that never turns back passes each place once
         met = np.flatnonzero((front > before[0]) & (front <= after[-1]))

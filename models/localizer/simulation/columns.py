@@ -39,7 +39,11 @@ def steps_of(system: TransitionSystem, inputs: Mapping[str, Array], vehicle: int
         for var in system.inputs
         if isinstance(var, NumVar) and isinstance(var.unit, Enumeration)
     }
-    shown = [(name, values, lists.get(flags.get(name, "")), labels.get(name)) for name, values in lists.items() if name not in hidden]
+    shown = [
+        (name, values, lists.get(flags.get(name, "")), labels.get(name))
+        for name, values in lists.items()
+        if name not in hidden
+    ]
     return [
         {
             name: labelled[values[cycle]] if labelled else values[cycle]

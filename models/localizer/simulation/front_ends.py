@@ -16,7 +16,6 @@ from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM
 from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
 from safeloc.models.motion.simulate import Measured
 from safeloc.models.verification.variables import FROM
-from safeloc.simulation.many_runs import Array
 
 _SENDERS = tuple(one.label for one in FROM)
 

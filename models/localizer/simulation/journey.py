@@ -219,5 +219,7 @@ class Vehicles:
         set_ = self.motions.position_nm >= journey.junction.set_mm * NM_PER_MM
         return [
             {0: before} if left or not ever else {0: before, cycle: journey.groups}
-            for left, ever, cycle in zip(stale.tolist(), set_.any(axis=0).tolist(), set_.argmax(axis=0).tolist(), strict=True)
+            for left, ever, cycle in zip(
+                stale.tolist(), set_.any(axis=0).tolist(), set_.argmax(axis=0).tolist(), strict=True
+            )
         ]

@@ -20,7 +20,6 @@ from safeloc.simulation.faults import Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, joined
 from safeloc.simulation.motion import Leg
 
-
 TOP, ACCELERATION, STANDS = "speed_share", "acceleration_share", "stands"
 """Figures of the motion."""
 
@@ -92,7 +91,9 @@ class LocalizerJourneys:
         legs = [replace(leg, speed_mm_s=round(leg.speed_mm_s * speed)) for leg in nominal.legs]
         return replace(
             nominal,
-            legs=_for_cycles([Leg(0, stands * self.period_ms / 1_000), *legs] if stands else legs, cycles, self.period_ms),
+            legs=_for_cycles(
+                [Leg(0, stands * self.period_ms / 1_000), *legs] if stands else legs, cycles, self.period_ms
+            ),
             satellites=round(figures["satellites"]),
             acceleration_mm_s2=max(1, round(nominal.acceleration_mm_s2 * figures[ACCELERATION])),
             troubles=drawn.faults[run],

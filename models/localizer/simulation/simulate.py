@@ -70,7 +70,10 @@ def _ghosts(config: str) -> frozenset[str]:
 
 def first_state(config: LocalizerConfig, journey: Journey) -> dict[str, Value]:
     """Return first values of the open variables: place and speed of the vehicle, and its train."""
-    return {**first_but_speed(config, journey), **_speed(config, speeds_um_s(motions_of(config, [journey]))[0, 0].item())}
+    return {
+        **first_but_speed(config, journey),
+        **_speed(config, speeds_um_s(motions_of(config, [journey]))[0, 0].item()),
+    }
 
 
 def _speed(config: LocalizerConfig, speed_um_s: int) -> dict[str, Value]:

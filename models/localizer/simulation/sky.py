@@ -73,7 +73,9 @@ def signals(config: SelectionConfig, sky: Sky, drawn: Noise) -> dict[str, Column
     columns = {"selection.clock_mm": Column(0), "selection.clock_mm_s": Column(0)}
     columns["selection.almanac_age_s"] = Column(_ALMANAC_S)
     for number in range(1, config.channels + 1):
-        columns |= {f"selection.channel_{number}_{name}": one for name, one in _channel(config, sky, drawn, number).items()}
+        columns |= {
+            f"selection.channel_{number}_{name}": one for name, one in _channel(config, sky, drawn, number).items()
+        }
     return columns
 
 

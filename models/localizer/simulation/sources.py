@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
-
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.models import odometry
 from safeloc.models.balise.simulation.many import Line
@@ -41,7 +39,12 @@ class Fleet:
         """Return all inputs: name -> array [cycle, vehicle]."""
         vehicles = self.vehicles
         measured = measured_by_many(
-            "wheel", vehicles.config.motion, vehicles.motions, vehicles.seeds, vehicles.passed_on("motion"), self.libraries
+            "wheel",
+            vehicles.config.motion,
+            vehicles.motions,
+            vehicles.seeds,
+            vehicles.passed_on("motion"),
+            self.libraries,
         )
         found = self._of(common(vehicles, measured)) | self._of(links(vehicles))
         for name in vehicles.config.arbitration.sources:
@@ -74,7 +77,8 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
 def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles = fleet.vehicles
     antennas = [
-        Antenna(rng, 0, 0, 0.5, own) for rng, own in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), strict=True)
+        Antenna(rng, 0, 0, 0.5, own)
+        for rng, own in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), strict=True)
     ]
     motions = [vehicles.motions.of(vehicle) for vehicle in range(len(antennas))]
     line = Line(vehicles.first.passed, vehicles.routes(), 5_000, fleet.libraries)

@@ -165,7 +165,9 @@ class Radars:
         """Return whether a radar may receive a reflector from some place at which a vehicle is in these cycles."""
         farthest_mm = int(np.abs(at.distance_nm).max(initial=0)) / NM_PER_MM + 1
         beyond_mm = one.position_mm + self._config.radar_offset_mm
-        nearest, last = (beyond_mm - int(end) / NM_PER_MM for end in (at.now_nm.max(initial=0), at.now_nm.min(initial=0)))
+        nearest, last = (
+            beyond_mm - int(end) / NM_PER_MM for end in (at.now_nm.max(initial=0), at.now_nm.min(initial=0))
+        )
         return nearest <= 2 * one.view_from_mm + farthest_mm and one.view_to_mm - farthest_mm <= last
 
     def _reflected(self, frames: Frames, at: Instants, which: Which, at_frame: NDArray[np.int64]) -> None:
