@@ -30,7 +30,7 @@ FOREIGN = 900_000
 """Identities from here on belong to other lines."""
 SEVERITY = 0.9
 """Share of the allowed error that a unit uses, unless another one is asked for."""
-_SLIPS_ON = 10
+_SLIPS_ON = 3
 """Cycles of a silence in which a wheel slips on: shorter ones are single distances that were lost, and the unit counts on."""
 _EPISODE = 100
 """Cycles in which the wander moves towards one value."""

@@ -217,9 +217,8 @@ class Vehicles:
             return [{0: journey.passed}] * len(self.journeys)
         before, stale = journey.junction.branched(journey.groups), self.having("linking not replaced")
         set_ = self.motions.position_nm >= journey.junction.set_mm * NM_PER_MM
-        return [
-            {0: before} if left or not ever else {0: before, cycle: journey.groups}
-            for left, ever, cycle in zip(
-                stale.tolist(), set_.any(axis=0).tolist(), set_.argmax(axis=0).tolist(), strict=True
-            )
-        ]
+        found = list[dict[int, Sequence[Group]]]()
+        for vehicle in range(len(self.journeys)):
+            reached = np.flatnonzero(set_[:, vehicle]).tolist()[:1]
+            found.append({0: before} if stale[vehicle] or not reached else {0: before, reached[0]: journey.groups})
+        return found
