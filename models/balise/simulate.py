@@ -101,7 +101,7 @@ def simulate(
     columns = distances.as_column
     routed = {0: known} | {one.cycle: one.groups for one in routes}
     antenna = Antenna(rng, missed, foreign, counted, faults)
-    runs = simulate_many(config, Line(known, routed, national_accuracy_mm), [motion], columns, [antenna])
+    runs = simulate_many(config, Line(known, [routed], national_accuracy_mm), [motion], columns, [antenna])
     return _steps(config, motion, distances, runs, national_accuracy_mm)
 
 

@@ -97,22 +97,22 @@ class OdometryOnLine(OnLine):
         """No faults act for the whole run."""
         return ()
 
-    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+    def runs(self, drawn: Drawn, cycles: int) -> ManyRuns:
         """Return the runs of the vehicles."""
-        taken = rng.integers(0, len(self.routes), drawn.vehicles)
+        taken = _taken(drawn, len(self.routes))
         parts: list[tuple[np.ndarray, ManyRuns]] = []
         for number in np.unique(taken):
             which = np.flatnonzero(taken == number)
-            parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles, rng)))
+            parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles)))
         return joined(parts, drawn.vehicles)
 
-    def _on_route(self, route: Route, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+    def _on_route(self, route: Route, drawn: Drawn, cycles: int) -> ManyRuns:
         tops, of_vehicle = np.unique(drawn.figures[TOP], return_inverse=True)
         gate, period = self.config.max_speed_mm_s, self.config.period_ms
         places = [self.motion(route, float(top), gate, period, cycles).position_nm for top in tops]
         known = accuracies(route, self.vehicle.national_mm, self.vehicle.detection_mm)
         drives = Drives(np.stack(places, axis=1), of_vehicle)
-        return simulate_many(self.config, self.system, drives, markers(route), known, drawn, rng)
+        return simulate_many(self.config, self.system, drives, markers(route), known, drawn)
 
 
 class BaliseOnLine(OnLine):
@@ -148,33 +148,33 @@ class BaliseOnLine(OnLine):
         """The groups: each has its fault for the whole run."""
         return [place for place in self.kinds if isinstance(place, int)]
 
-    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+    def runs(self, drawn: Drawn, cycles: int) -> ManyRuns:
         """Return the runs of the vehicles."""
-        taken = rng.integers(0, len(self.routes), drawn.vehicles)
-        seeds = rng.integers(0, 2**63, drawn.vehicles)
+        taken = _taken(drawn, len(self.routes))
         parts: list[tuple[np.ndarray, ManyRuns]] = []
         for number in np.unique(taken):
             which = np.flatnonzero(taken == number)
-            rngs = [np.random.default_rng(int(seed)) for seed in seeds[which]]
-            parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles, rngs)))
+            parts.append((which, self._on_route(self.routes[number].route, _some(drawn, which), cycles)))
         return joined(parts, drawn.vehicles)
 
-    def _on_route(self, route: Route, drawn: Drawn, cycles: int, rngs: Sequence[np.random.Generator]) -> ManyRuns:
+    def _on_route(self, route: Route, drawn: Drawn, cycles: int) -> ManyRuns:
         config, figures = self.config, drawn.figures
         motions = [
             self.motion(route, top, config.max_speed_mm_s, config.period_ms, cycles) for top in figures[TOP].tolist()
         ]
         known = groups(route)
         distances = measure_many(
-            "odometer", np.stack([one.distance_nm for one in motions], axis=1), config.period_ms, config.odometer, rngs,
+            "odometer", np.stack([one.distance_nm for one in motions], axis=1), config.period_ms, config.odometer,
+            [seed.rng("odometer") for seed in drawn.seeds],
             dropout=figures["odometer_dropout"].tolist(), severity=[SEVERITY] * drawn.vehicles,
             faults=[[fault for fault in faults if fault.where == "odometer"] for faults in drawn.faults],
         )  # fmt: skip
         met = {group.identity for group in known}
         of_groups = [[fault for fault in faults if fault.where in met] for faults in drawn.faults]
         shares = (figures[name].tolist() for name in ("missed", "foreign", "counted"))
+        rngs = [seed.rng("antenna") for seed in drawn.seeds]
         antennas = [Antenna(*one) for one in zip(rngs, *shares, of_groups, strict=True)]
-        line = Line(known, {0: known}, self.vehicle.national_mm, self.libraries)
+        line = Line(known, [{0: known}] * drawn.vehicles, self.vehicle.national_mm, self.libraries)
         return ManyRuns(balise_runs.simulate_many(config, line, motions, distances, antennas).inputs)
 
 
@@ -193,4 +193,10 @@ def configured(machine: str, vehicle: LineVehicle) -> OdometryConfig | BaliseCon
 
 def _some(drawn: Drawn, which: np.ndarray) -> Drawn:
     faults: list[Sequence[Fault]] = [drawn.faults[run] for run in which]
-    return Drawn(len(which), {name: values[which] for name, values in drawn.figures.items()}, faults)
+    figures = {name: values[which] for name, values in drawn.figures.items()}
+    return Drawn(len(which), figures, faults, [drawn.seeds[run] for run in which])
+
+
+def _taken(drawn: Drawn, routes: int) -> np.ndarray:
+    """Return the number of the route that each vehicle takes."""
+    return np.array([seed.rng("route").integers(0, routes) for seed in drawn.seeds])

@@ -15,8 +15,9 @@ from safeloc.models.motion import MotionConfig, build, parts
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import absent_everywhere, through_border
-from safeloc.simulation.motion import Motion
+from safeloc.simulation.motion import Motion, Motions
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
+from safeloc.simulation.vehicle_seed import VehicleSeed
 
 _TOLD = ("distance_mm", "reported", "more_nm")
 
@@ -36,12 +37,6 @@ class Measured:
     check: Distances | None
     reported: Distances
 
-    @property
-    def as_columns(self) -> Measured:
-        """Those of one vehicle as those of many."""
-        check = None if self.check is None else self.check.as_column
-        return Measured(self.odometer.as_column, check, self.reported.as_column)
-
 
 def measured_by(
     name: str, config: MotionConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault]
@@ -55,30 +50,27 @@ def measured_by(
 def measured_by_many(
     name: str,
     config: MotionConfig,
-    motion: Motion,
-    rngs: Sequence[np.random.Generator],
+    motions: Motions,
+    seeds: Sequence[VehicleSeed],
     faults: Sequence[Sequence[Fault]],
     libraries: Path | None,
 ) -> Measured:
-    """Return the same of many vehicles on one drive, each with its generator and faults: arrays [cycle, vehicle].
+    """Return the same of many vehicles, each with its motion, seed and faults: arrays [cycle, vehicle].
 
     libraries  folder for compiled machines; None: a temporary one
     """
-    odometer = _measured_alike(name, config.odometer, motion, rngs, faults)
-    check = None if config.check is None else _measured_alike("check", config.check, motion, rngs, [()] * len(rngs))
+    odometer = _measured(name, config.odometer, motions, seeds, faults)
+    check = None if config.check is None else _measured("check", config.check, motions, seeds, [()] * len(seeds))
     return Measured(odometer, check, _reported(config, odometer, check, libraries))
 
 
-def _measured_alike(
-    name: str,
-    law: ErrorLaw,
-    motion: Motion,
-    rngs: Sequence[np.random.Generator],
-    faults: Sequence[Sequence[Fault]],
+def _measured(
+    name: str, law: ErrorLaw, motions: Motions, seeds: Sequence[VehicleSeed], faults: Sequence[Sequence[Fault]]
 ) -> Distances:
-    vehicles, true = len(rngs), motion.distance_nm[:, None]
+    vehicles, rngs = len(seeds), [seed.rng(f"motion {name}") for seed in seeds]
     severity, dropout = [SEVERITY] * vehicles, [0.0] * vehicles
-    return measure_many(name, true, motion.period_ms, law, rngs, dropout=dropout, severity=severity, faults=faults)
+    true, period = motions.distance_nm, motions.period_ms
+    return measure_many(name, true, period, law, rngs, dropout=dropout, severity=severity, faults=faults)
 
 
 def reported(config: MotionConfig, odometer: Distances, check: Distances | None) -> Distances:
@@ -95,13 +87,6 @@ def _reported(config: MotionConfig, odometer: Distances, check: Distances | None
     inputs = absent_everywhere(code.system, *odometer.distance_mm.shape)
     for name, unit in (("odometer_mm", odometer), ("check_mm", check)):
         inputs[name], inputs[f"{name}.present"] = np.where(unit.present, unit.distance_mm, 0), unit.present
-    runs = code.begin(through_border(code.system, inputs)[0])
-    step, more, present = (
-        np.zeros_like(odometer.distance_mm),
-        np.zeros_like(odometer.distance_mm),
-        np.zeros_like(odometer.present),
-    )
-    for cycle in range(len(step)):
-        runs.step(cycle)
-        step[cycle], present[cycle], more[cycle] = (runs.told[name] for name in _TOLD)
+    told = code.through(through_border(code.system, inputs)[0])
+    step, present, more = (told[name] for name in _TOLD)
     return replace(odometer, distance_mm=step, present=present, more_nm=more)

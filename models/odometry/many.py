@@ -1,6 +1,6 @@
 """Many vehicles with the odometry machine at once: the sensors of `simulate`, as arrays over vehicles.
 
-Each vehicle drives one of a few motions and draws its own errors of units and places of markers.
+Each vehicle drives one of a few motions and draws the errors of each unit, and the places of each reader's markers, from a stream of its own.
 """
 
 from __future__ import annotations
@@ -14,17 +14,28 @@ from numpy.typing import NDArray
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.odometry.ghosts import READERS
-from safeloc.models.odometry.simulate import reading_inputs, sensed
+from safeloc.models.odometry.simulate import reading_inputs, units_of
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
-from safeloc.simulation.motion import Motion
+from safeloc.simulation.motion import Motions
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import Distances, faulty, measured, passages
+from safeloc.simulation.sensors import (
+    SEVERITY,
+    Distances,
+    draws_of,
+    faulty,
+    measure_many,
+    measured,
+    passages,
+    read_markers,
+)
+from safeloc.simulation.vehicle_seed import VehicleSeed
 
 MISSED = "missed"
+_ACCURACY_MM = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,16 +46,10 @@ class Drives:
     of_vehicle: NDArray[np.int64]
 
 
-def _units_of(config: OdometryConfig) -> dict[str, ErrorLaw]:
-    """Return the law of each unit by its name."""
-    ends = ("front", "rear")[: config.devices]
-    return {f"{end}_{law.kind}": law for end in ends for law in (config.first_unit, config.second_unit)}
-
-
 def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
     """Return the figures of the sensors that may be drawn."""
     found = {MISSED: DrawnFigure("share", 0, 1, 0.0, "markers that a reader does not report")}
-    for name in _units_of(config):
+    for name in units_of(config):
         found[f"{name}_severity"] = DrawnFigure(
             "share", 0, 100, 0.9, f"error of {name} as a share of what its law allows; above 1 it breaks the law"
         )
@@ -54,7 +59,7 @@ def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
 
 def kinds_of(config: OdometryConfig) -> dict[str | int, Kinds]:
     """Return the kinds of fault of each unit and reader."""
-    return {**dict.fromkeys(_units_of(config), sensors.KINDS), **dict.fromkeys(READERS, reader_faults.KINDS)}
+    return {**dict.fromkeys(units_of(config), sensors.KINDS), **dict.fromkeys(READERS, reader_faults.KINDS)}
 
 
 def simulate_many(
@@ -64,7 +69,6 @@ def simulate_many(
     markers: Sequence[tuple[int, int]],
     accuracy_mm: Mapping[int, int],
     drawn: Drawn,
-    rng: np.random.Generator,
 ) -> ManyRuns:
     """Return the runs of the vehicles along a line with these markers; errors of markers reach nine tenths of their accuracy."""
     position = drives.position_nm[:, drives.of_vehicle]
@@ -73,44 +77,50 @@ def simulate_many(
     true = np.diff(position, axis=0, prepend=np.int64(0))
     inputs["true_cycle_distance_nm"][:] = true
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
-    for name, law in _units_of(config).items():
-        _measure(inputs, name, law, true, config.period_ms, drawn, rng)
+    for name, law in units_of(config).items():
+        _measure(inputs, name, law, true, config.period_ms, drawn)
     for end, offset in enumerate((0, config.vehicle_length_mm)):
-        _read(inputs, config, end, offset, position, markers, accuracy_mm, drawn, rng)
+        _read(inputs, config, end, offset, position, markers, accuracy_mm, drawn)
     return ManyRuns(inputs)
 
 
-def simulate_alike(
+def simulate_shared(
     config: OdometryConfig,
     system: TransitionSystem,
-    motion: Motion,
-    rngs: Sequence[np.random.Generator],
+    motions: Motions,
+    seeds: Sequence[VehicleSeed],
     faults: Sequence[Sequence[Fault]],
     markers: Sequence[tuple[int, int]],
-    first_unit: Distances | None,
-    second_unit: Distances | None,
+    shared: Sequence[Distances | None],
 ) -> dict[str, Array]:
-    """Return the inputs of vehicles on one run, without drop-outs and markers missed, from the draws of single runs.
+    """Return the inputs of vehicles, each with its motion, without drop-outs and markers missed.
 
-    A fault of a reader at a time without a reading changes nothing.
+    Markers lie up to nine tenths of their accuracy from their places on the map, other ones for each reader and vehicle. A fault of a reader at a
+    time without a reading changes nothing.
 
-    first_unit, second_unit  distances [cycle, vehicle] of the front end's units, as in `simulate`
+    shared  distances [cycle, vehicle] of the front end's units that other machines read as well; None: a unit of its own
     """
-    cycles, vehicles = len(motion.position_nm), len(rngs)
-    units, readings = sensed(
-        config, motion, rngs, faults, markers=markers, marker_accuracy_mm=1_000, dropout=0, missed=0, foreign=0,
-        first_unit=first_unit, second_unit=second_unit, anywhen=True,
-    )  # fmt: skip
+    cycles, vehicles = motions.position_nm.shape
     inputs = absent_everywhere(system, cycles, vehicles)
-    inputs["true_cycle_distance_nm"][:] = motion.distance_nm[:, None]
+    inputs["true_cycle_distance_nm"][:] = motions.distance_nm
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
-    for unit in units:
-        inputs[f"{unit.name}_mm"] = np.where(unit.present, unit.distance_mm, 0)
-        inputs[f"{unit.name}_mm.present"], inputs[f"{unit.name}_next_wander_nm"] = unit.present, unit.wander_nm
-    for run, read in enumerate(readings):
-        for one in read:
-            if one.cycle < cycles:
-                _write(inputs, reading_inputs(config, one, int(motion.position_nm[one.cycle])), one.cycle, run)
+    for name, law, other in zip(units_of(config), units_of(config).values(), [*shared, None, None], strict=False):
+        unit = other or measure_many(
+            name, motions.distance_nm, motions.period_ms, law, [seed.rng(f"odometry {name}") for seed in seeds],
+            dropout=[0.0] * vehicles, severity=[SEVERITY] * vehicles,
+            faults=[[fault for fault in own if fault.where not in READERS] for own in faults],
+        )  # fmt: skip
+        inputs[f"{name}_mm"] = np.where(unit.present, unit.distance_mm, 0)
+        inputs[f"{name}_mm.present"], inputs[f"{name}_next_wander_nm"] = unit.present, unit.wander_nm
+    accuracy_mm = dict.fromkeys((marker for marker, _ in markers), _ACCURACY_MM)
+    for run, seed in enumerate(seeds):
+        motion = motions.of(run)
+        for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
+            read = read_markers(motion, end, offset, markers, accuracy_mm, seed.rng(f"odometry {name}"))
+            own = [fault for fault in faults[run] if fault.where == name]
+            for one in with_faults(name, read, markers, own, anywhen=True):
+                if one.cycle < cycles:
+                    _write(inputs, reading_inputs(config, one, int(motion.position_nm[one.cycle])), one.cycle, run)
     return inputs
 
 
@@ -121,12 +131,9 @@ def _measure(
     true: NDArray[np.int64],
     period_ms: int,
     drawn: Drawn,
-    rng: np.random.Generator,
 ) -> None:
-    cycles, vehicles = true.shape
-    bias = rng.uniform(-1, 1, vehicles) + rng.normal(0, 0.05, (cycles, vehicles))
-    wanted = rng.uniform(-1, 1, (cycles // 100 + 1, vehicles))
-    present = rng.random((cycles, vehicles)) >= drawn.figures[f"{name}_dropout"]
+    rngs = [seed.rng(name) for seed in drawn.seeds]
+    bias, wanted, present = draws_of(rngs, len(true), drawn.figures[f"{name}_dropout"].tolist())
     for run, faults in enumerate(drawn.faults):
         for fault in faults:
             if fault.kind == "drop-out" and fault.strikes(name):
@@ -149,17 +156,15 @@ def _read(
     markers: Sequence[tuple[int, int]],
     accuracy_mm: Mapping[int, int],
     drawn: Drawn,
-    rng: np.random.Generator,
 ) -> None:
     """Write the readings of one reader into the inputs."""
     most = np.array([accuracy_mm[marker] for marker, _ in markers], dtype=np.float64)
-    cycles, vehicles = position.shape
-    shifts = rng.uniform(-0.9, 0.9, (vehicles, len(markers))) * most
-    unread = rng.random((vehicles, len(markers))) < drawn.figures[MISSED][:, None]
-    identities = np.array([marker for marker, _ in markers])
-    for run in range(vehicles):
-        readings = passages(position[:, run], 0, end, offset_mm, markers, shifts[run], accuracy_mm)
-        lost = set(identities[unread[run]].tolist())
+    identities, cycles = np.array([marker for marker, _ in markers]), len(position)
+    for run, seed in enumerate(drawn.seeds):
+        rng = seed.rng(READERS[end])
+        shifts = rng.uniform(-0.9, 0.9, len(markers)) * most
+        readings = passages(position[:, run], 0, end, offset_mm, markers, shifts, accuracy_mm)
+        lost = set(identities[rng.random(len(markers)) < drawn.figures[MISSED][run]].tolist())
         seen = [one for one in readings if one.marker not in lost]
         faults = [one for one in drawn.faults[run] if one.strikes(READERS[end])]
         for one in with_faults(READERS[end], seen, markers, faults, anywhen=True):

@@ -6,7 +6,6 @@ Because a stream contains the ghosts, the interpreter can check on it that it ob
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move, plan
 from safeloc.simulation.reader_faults import with_faults
-from safeloc.simulation.sensors import SEVERITY, Distances, Reading, measure_many, read_markers, skip_measure
+from safeloc.simulation.sensors import Distances, Reading, measure, read_markers
 
 Steps = list[dict[str, int | bool]]
 _NO_MARKERS = {f"{name}_{what}": nothing for name in READERS for what, nothing in (("spot_nm", 0), ("stray", False))}
@@ -48,8 +47,6 @@ def simulate(
     legs: Sequence[Leg] | None = None,
     motion: Motion | None = None,
     faults: Sequence[Fault] = (),
-    first_unit: Distances | None = None,
-    second_unit: Distances | None = None,
 ) -> Steps:
     """Return one run as steps: inputs, ghost inputs, and the remark `truth_mm` (rounded down).
 
@@ -58,85 +55,34 @@ def simulate(
     motion   the vehicle's run; without it, the run over `legs`, or over a random service
     faults   named faults of `front_wheel`, `front_radar`, ... (`sensors.KINDS`) and of `front_marker`, `rear_marker`
              (`reader_faults.KINDS`); while one is active the assumption may be broken
-    first_unit, second_unit  distances of the front end's units, if other machines use the same; they contain their faults already
     """
     rng = np.random.default_rng(seed)
     vehicle = vehicle_of(config)
     if motion is None:
         motion = move(vehicle, legs or plan(vehicle, seconds, rng), config.period_ms)
-    units, (readings,) = sensed(
-        config, motion, [rng], [faults], markers=markers, marker_accuracy_mm=marker_accuracy_mm, dropout=dropout,
-        missed=missed, foreign=foreign, first_unit=first_unit and first_unit.as_column,
-        second_unit=second_unit and second_unit.as_column,
-    )  # fmt: skip
-    return _steps(config, motion, [unit.of(0) for unit in units], readings)
-
-
-def sensed(
-    config: OdometryConfig,
-    motion: Motion,
-    rngs: Sequence[np.random.Generator],
-    faults: Sequence[Sequence[Fault]],
-    *,
-    markers: Sequence[tuple[int, int]] | None,
-    marker_accuracy_mm: int | Mapping[int, int],
-    dropout: float,
-    missed: float,
-    foreign: float,
-    first_unit: Distances | None,
-    second_unit: Distances | None,
-    anywhen: bool = False,
-) -> tuple[list[Distances], list[list[Reading]]]:
-    """Return what the units and readers of vehicles on one run tell, each vehicle with its generator and faults.
-
-    Distances are arrays [cycle, vehicle]; the readings of each vehicle are those of both readers. With `anywhen` a reader's fault may
-    begin and end without a reading; else InputError.
-    """
-    ends = ("front", "rear")[: config.devices]
-    laws = (config.first_unit, config.second_unit)
-    names, cycles = [f"{end}_{law.kind}" for end in ends for law in laws], len(motion.position_nm)
-    of_readers = [[fault for fault in own if fault.where in READERS] for own in faults]
-    of_units = [[fault for fault in own if fault.where not in READERS] for own in faults]
-    for own in of_units:
-        sensors.KINDS.require(own, places=names, length=cycles)
-    for own in of_readers:
-        reader_faults.KINDS.require(own, length=cycles)
-    shared, units = [first_unit, second_unit], list[Distances]()
-    for name, law, other in zip(names, laws * len(ends), [*shared, None, None], strict=False):
-        if other is None:
-            units.append(_measured(name, law, motion, rngs, dropout, of_units))
-            continue
-        for rng in rngs:
-            skip_measure(rng, cycles)
-        units.append(replace(other, name=name))
+    units = _units(config, motion, rng, [fault for fault in faults if fault.where not in READERS], dropout)
     known = markers if markers is not None else [(n + 1, (n - 200) * 250_000) for n in range(400)]
-    readings: list[list[Reading]] = [[] for _ in rngs]
+    of_readers = [fault for fault in faults if fault.where in READERS]
+    reader_faults.KINDS.require(of_readers, length=len(motion.position_nm))
+    readings: list[Reading] = []
     for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
-        for vehicle, rng in enumerate(rngs):
-            read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
-            readings[vehicle] += with_faults(name, read, known, of_readers[vehicle], anywhen=anywhen)
-    return units, readings
+        read = read_markers(motion, end, offset, known, marker_accuracy_mm, rng, missed=missed, foreign=foreign)
+        readings += with_faults(name, read, known, of_readers)
+    return _steps(config, motion, units, readings)
 
 
-def _measured(
-    name: str,
-    law: ErrorLaw,
-    motion: Motion,
-    rngs: Sequence[np.random.Generator],
-    dropout: float,
-    faults: Sequence[Sequence[Fault]],
-) -> Distances:
-    vehicles, true = len(rngs), motion.distance_nm[:, None]
-    return measure_many(
-        name,
-        true,
-        motion.period_ms,
-        law,
-        rngs,
-        dropout=[dropout] * vehicles,
-        severity=[SEVERITY] * vehicles,
-        faults=faults,
-    )
+def _units(
+    config: OdometryConfig, motion: Motion, rng: np.random.Generator, faults: Sequence[Fault], dropout: float
+) -> list[Distances]:
+    laws = units_of(config)
+    sensors.KINDS.require(faults, places=list(laws), length=len(motion.position_nm))
+    return [measure(name, motion, law, rng, dropout=dropout, faults=faults) for name, law in laws.items()]
+
+
+def units_of(config: OdometryConfig) -> dict[str, ErrorLaw]:
+    """Return the law of each unit by its name: those of the front end first."""
+    ends = ("front", "rear")[: config.devices]
+    return {f"{end}_{law.kind}": law for end in ends for law in (config.first_unit, config.second_unit)}
 
 
 def _steps(

@@ -15,7 +15,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector.simulation.draws import OfOne
 from safeloc.models.reflector.simulation.many import on_board, simulate_many
-from safeloc.models.reflector.simulation.radar import ECHO, MODELS, Radars, empty_slots, intensity_cdb
+from safeloc.models.reflector.simulation.radar import ECHO, MODELS, Instants, Radars, empty_slots, intensity_cdb
 from safeloc.models.reflector.simulation.scene import (
     FIGURE_1,
     FIGURE_2,
@@ -32,7 +32,7 @@ from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation import sensors
 from safeloc.simulation.many_runs import refuse_beyond_ranges
-from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+from safeloc.simulation.motion import Leg, Motion, Motions, VehicleConfig, move
 from safeloc.simulation.sensors import Distances, measure
 
 __all__ = [
@@ -66,7 +66,8 @@ def simulate(
     odometer = measured or measure(
         "wheel", motion, config.odometer, rng, dropout=scene.dropout, faults=scene.sensor_faults
     )
-    inputs = simulate_many(config, scene, motion, odometer.as_column, [scene.disturbances], OfOne(rng))
+    motions = Motions.alone(motion)
+    inputs = simulate_many(config, scene, motions, odometer.as_column, [scene.disturbances], OfOne(rng))
     refuse_beyond_ranges(on_board(config.model_dump_json(), None).system, inputs)
     return _steps(config, motion, {name: values[:, 0].tolist() for name, values in inputs.items()})
 
@@ -143,7 +144,8 @@ class Radar:
 
     def frame(self, cycle: int, distance_nm: int, now: int) -> dict[str, Cell]:
         """Return the frame of a cycle that the vehicle ends at `now`, with the echoes' ghosts."""
-        frames = self._radars.frames(cycle, distance_nm, now, empty_slots(self._config.echo_slots, (1,)))
+        at = Instants(cycle, np.array([[distance_nm]]), np.array([[now]]))
+        frames = self._radars.frames(at, empty_slots(self._config.echo_slots, (1,)))
         values: dict[str, Cell] = {"frame_present": bool(frames.present[0])}
         for slot in range(min(self._config.echo_slots, int(frames.number[0]))):
             for name, echoes in frames.echoes.items():
@@ -152,7 +154,7 @@ class Radar:
 
     def bias_mm(self, cycle: int) -> int:
         """Return by how much the radar measures every range too long, mm."""
-        return int(self._radars.bias_mm(cycle)[0])
+        return int(self._radars.biases_mm(cycle, 1)[0, 0])
 
 
 def _is_ghost(name: str) -> bool:

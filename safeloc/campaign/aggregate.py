@@ -21,8 +21,10 @@ from safeloc.campaign.statistics import (
     rule_of_three,
     shared_confidence,
     stratified,
+    tilted_share,
     weighted_mean,
 )
+from safeloc.language.units import NM_PER_MM
 
 _LAWS = {"kept": "law kept", "broken": "law broken"}
 _STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
@@ -74,11 +76,14 @@ class Results:
             name: declared[name][0].words if name in declared else f"{one.default:g} {one.unit}"
             for name, one in scene.simulation.figures.items()
         }
+        situation = self._campaign.situation_of(stratum)
+        figures |= {f"{name}, tilted": one.words for name, one in situation.tilt.items()}
         faults = []
-        for fault in self._campaign.situation_of(stratum).faults:
+        for fault in situation.faults:
             begin = fault.begin.words if fault.begin else "the start"
             lasts = f"lasts {fault.lasts.words}" if fault.lasts else "lasts to the end"
             more = [f"{name} {one.words}" for name, one in fault.figures.items()]
+            more += [f"tilted: {name} {one.words}" for name, one in fault.tilt.items()]
             faults.append("; ".join([f"{fault.kind} of {fault.where or 'all'}", f"begins at {begin}", lasts, *more]))
         return {
             "name": self._campaign.words_of(stratum),
@@ -86,6 +91,7 @@ class Results:
             "vehicles": stratum.vehicles,
             "figures": figures,
             "faults": faults,
+            "tilted": situation.tilted if self._tilted(stratum) else None,
             "period_ms": scene.simulation.period_ms,
         }
 
@@ -100,11 +106,24 @@ class Results:
     def _share_of_vehicles(self, event: str, what: str) -> dict[str, Any]:
         """Return the share of vehicles with an event: in the whole, and in each stratum."""
         rows = self._all(
-            f"select stratum, count(*) filter (where {event}), count(*) from rows_ where row = 'vehicle' group by stratum"
+            f"select stratum, count(*) filter (where {event}), count(*), coalesce(sum(weight) filter (where {event}), 0), "
+            f"coalesce(sum(weight * weight) filter (where {event}), 0) from rows_ where row = 'vehicle' group by stratum"
         )
-        events = {stratum: (count, trials) for stratum, count, trials in rows}
+        events = {stratum: rest for stratum, *rest in rows}
         strata = self._campaign.strata
-        whole = stratified([Part(one.weight, *events[one.number]) for one in strata], self._confidence)
+
+        def share(one: Stratum, confidence: float) -> Estimate:
+            count, trials, total, squares = events[one.number]
+            greatest = self._campaign.situation_of(one).greatest_weight
+            if greatest is None:
+                return proportion(count, trials, confidence)
+            return tilted_share(total, squares, trials, greatest, confidence)
+
+        if any(self._tilted(one) for one in strata):
+            each = shared_confidence(self._confidence, sum(one.weight > 0 for one in strata))
+            whole = weighted_mean([(one.weight, share(one, each)) for one in strata], self._confidence)
+        else:
+            whole = stratified([Part(one.weight, *events[one.number][:2]) for one in strata], self._confidence)
         return {
             "what": what,
             "unit": "share of vehicles",
@@ -112,14 +131,19 @@ class Results:
             "strata": [
                 {
                     "events": events[one.number][0],
-                    **_data(proportion(*events[one.number], self._confidence)),
-                    "says": self._zero(*events[one.number]),
+                    **_data(share(one, self._confidence)),
+                    "says": self._says(one, *events[one.number][:2]),
                 }
                 for one in strata
             ],
         }
 
-    def _zero(self, events: int, trials: int) -> str:
+    def _tilted(self, stratum: Stratum) -> bool:
+        return self._campaign.situation_of(stratum).greatest_weight is not None
+
+    def _says(self, stratum: Stratum, events: int, trials: int) -> str:
+        if self._tilted(stratum):
+            return f"{events} of {trials}, drawn towards what is rare and weighed"
         return rule_of_three(trials, self._confidence) if events == 0 else f"{events} of {trials}"
 
     def _availability(self) -> list[dict[str, Any]]:
@@ -131,7 +155,7 @@ class Results:
     def _mean_of_vehicles(self, share: str, what: str) -> dict[str, Any]:
         """Return the mean over vehicles of a share of each: in the whole, and in each stratum."""
         rows = self._all(
-            f"select stratum, sum(s), sum(s * s), count(*) from (select stratum, {share} as s from rows_ where row = 'vehicle') "
+            f"select stratum, sum(s), sum(s * s), count(*) from (select stratum, weight * ({share}) as s from rows_ where row = 'vehicle') "
             "group by stratum"
         )
         sums: dict[int, tuple[float, float, int]] = {
@@ -139,12 +163,20 @@ class Results:
         }
         strata = self._campaign.strata
         each = shared_confidence(self._confidence, sum(one.weight > 0 for one in strata))
-        parts = [(one.weight, mean_share(*sums[one.number], each)) for one in strata]
+
+        def mean(one: Stratum, confidence: float) -> Estimate:
+            greatest = self._campaign.situation_of(one).greatest_weight
+            total, squares, trials = sums[one.number]
+            if greatest is None:
+                return mean_share(total, squares, trials, confidence)
+            return tilted_share(total, squares, trials, greatest, confidence)
+
+        parts = [(one.weight, mean(one, each)) for one in strata]
         return {
             "what": what,
             "unit": "mean share of cycles",
             "whole": _data(weighted_mean(parts, self._confidence)),
-            "strata": [_data(mean_share(*sums[one.number], self._confidence)) for one in strata],
+            "strata": [_data(mean(one, self._confidence)) for one in strata],
         }
 
     def _width(self) -> list[dict[str, Any]]:
@@ -179,7 +211,7 @@ class Results:
             f"select count(*) filter (where {column} >= 0), count(*) from rows_ where row = 'vehicle' and {column} is not null "
             f"and stratum = {stratum.number}"
         )[0]
-        if not found[1]:
+        if not found[1] or self._tilted(stratum):
             return None
         return {"events": found[0], **_data(proportion(found[0], found[1], self._confidence))}
 
@@ -187,8 +219,8 @@ class Results:
         """Return quantiles over the vehicles of a stratum, each with the interval of its order statistics."""
         rows = f"from rows_ where row = 'vehicle' and stratum = {stratum.number} and {where}"
         trials = self._one(f"select count(*) {rows}")
-        if not trials:
-            return {"trials": 0, "quantiles": []}
+        if not trials or self._tilted(stratum):  # weighed vehicles have no order statistics
+            return {"trials": trials, "quantiles": []}
 
         def ranked(rank: int | None) -> int | None:
             if rank is None:
@@ -231,7 +263,10 @@ class Results:
             for one in self._campaign.strata
             if one.number in counts
         ]
-        missing = len(parts) < len(self._campaign.strata)  # a clause of some vehicles' configuration only
+        strata = (
+            self._campaign.strata
+        )  # a clause may be one of some vehicles' configuration only; vehicles that count unlike are not summed
+        missing = len(parts) < len(strata) or any(self._tilted(one) for one in strata)
         return {
             "name": name,
             "cycles": sum(cycles for cycles, _ in counts.values()),
@@ -255,6 +290,14 @@ class Results:
             "select x, sum(cycles), sum(told), sum(width_sum_mm) // greatest(sum(told), 1), max(widest_mm) from rows_ "
             f"where row = 'place' and stratum = {stratum.number} group by x order by x"
         )
+
+    def margins_mm(self, stratum: Stratum) -> list[int]:
+        """Return of the vehicles' smallest margins the least, that of 1 %, of 10 % and the median, mm; nothing without a report."""
+        found = self._one(
+            "select quantile_disc(least_margin_nm, [0, 0.01, 0.1, 0.5]) from rows_ where row = 'vehicle' and least_margin_nm is not null "
+            f"and stratum = {stratum.number}"
+        )
+        return [one // NM_PER_MM for one in found or ()]
 
     def times(self, stratum: Stratum, column: str) -> list[tuple[int, int]]:
         """Return times (-1: not until the end) and the number of vehicles with each."""

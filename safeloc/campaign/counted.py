@@ -36,6 +36,7 @@ SCHEMA = pa.schema(
         for name in ("first_broken", "first_wrong", "longest_wrong", "least_margin_nm", "least_margin_cycle")
     ]
     + [(name, pa.int64()) for name in ("widest_mm", "width_sum_mm", "withdrawn_after", "reaction", "refused")]
+    + [("weight", pa.float64())]
 )
 """Columns; those that a kind of row does not have are empty, and so are figures that a vehicle has not."""
 
@@ -106,7 +107,7 @@ class Counted:
             "least_margin_cycle": np.ma.array(least, mask=silent_at_all),
             "widest_mm": np.ma.array(width.max(axis=0), mask=silent_at_all), "width_sum_mm": width.sum(axis=0),
             "withdrawn_after": _time(one.told, begin), "reaction": _time(one.told, first_of(broken)),
-            "refused": one.refused,
+            "refused": one.refused, "weight": np.ones(vehicles) if self.drawn.weights is None else self.drawn.weights,
         }  # fmt: skip
 
     def _clauses(self) -> dict[str, Any]:

@@ -46,6 +46,7 @@ class FaultDraw(Config):
     """A fault that every vehicle of a situation has, in the words of the simulation; its time and figures are drawn.
 
     lasts  how long; without it, to the end
+    tilt   in place of `begin`, `lasts` or figures, for the tilted vehicles of the situation
     """
 
     kind: str
@@ -53,6 +54,13 @@ class FaultDraw(Config):
     begin: Distribution | None = None
     lasts: Distribution | None = None
     figures: Figures = Field(default_factory=dict)
+    tilt: Figures = Field(default_factory=dict)
+
+    @property
+    def drawn(self) -> dict[str, Distribution]:
+        """Return what is drawn of the fault, by name: its times, then its figures."""
+        times = {name: one for name, one in (("begin", self.begin), ("lasts", self.lasts)) if one is not None}
+        return {**times, **self.figures}
 
 
 class Situation(Config):
@@ -61,6 +69,8 @@ class Situation(Config):
     weight    the share of vehicles in operation that are in it
     vehicles  how many run, on each line and of each kind of vehicle
     figures   of the sensors, in place of those of the campaign
+    tilt      in place of figures, for the tilted vehicles
+    tilted    the share of vehicles that are tilted, where anything is: importance sampling (safeloc.campaign.tilting)
     """
 
     name: str = Field(min_length=1)
@@ -68,6 +78,13 @@ class Situation(Config):
     vehicles: int = Field(ge=1, le=1_000_000_000)
     figures: Figures = Field(default_factory=dict)
     faults: tuple[FaultDraw, ...] = ()
+    tilt: Figures = Field(default_factory=dict)
+    tilted: float = Field(default=0.5, gt=0, lt=1)
+
+    @property
+    def greatest_weight(self) -> float | None:
+        """The greatest weight of a vehicle; None where nothing is tilted and each has weight 1."""
+        return 1 / (1 - self.tilted) if self.tilt or any(one.tilt for one in self.faults) else None
 
 
 class Declaration(Config):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, model_validator
+from scipy.special import ndtr
 
 from safeloc.config import Config
 
@@ -58,6 +60,9 @@ class _Between(_Declared):
         """The least and the greatest value."""
         return self.low, self.high
 
+    def _within(self, values: Floats) -> Floats:
+        return np.asarray((self.low <= values) & (values <= self.high), dtype=np.float64)
+
 
 class Uniform(_Between):
     """Every value between two ends alike."""
@@ -72,6 +77,10 @@ class Uniform(_Between):
     def draw(self, rng: np.random.Generator, number: int) -> Floats:
         """Return so many independent draws."""
         return rng.uniform(self.low, self.high, number)
+
+    def density(self, values: Floats) -> Floats:
+        """Return the probability density at values."""
+        return self._within(values) / (self.high - self.low)
 
 
 class Normal(_Declared):
@@ -107,6 +116,12 @@ class Normal(_Declared):
             found[beyond] = rng.normal(self.mean, self.deviation, int(beyond.sum()))
         return found
 
+    def density(self, values: Floats) -> Floats:
+        """Return the probability density at values."""
+        low, high, at = ((np.asarray(one) - self.mean) / self.deviation for one in (self.low, self.high, values))
+        bell = np.exp(-at * at / 2) / (math.sqrt(2 * math.pi) * self.deviation * (ndtr(high) - ndtr(low)))
+        return np.where((low <= at) & (at <= high), bell, 0.0)
+
 
 class LogUniform(_Between):
     """The logarithm is uniform: as often between 1 and 10 as between 10 and 100."""
@@ -122,6 +137,12 @@ class LogUniform(_Between):
     def draw(self, rng: np.random.Generator, number: int) -> Floats:
         """Return so many independent draws."""
         return np.exp(rng.uniform(np.log(self.low), np.log(self.high), number))
+
+    def density(self, values: Floats) -> Floats:
+        """Return the probability density at values; rounding may put a draw just beyond an end, which has the density of that end."""
+        inside = np.clip(values, self.low, self.high)
+        far = np.abs(values - inside) > 1e-9 * self.high
+        return np.where(far, 0.0, 1 / (inside * math.log(self.high / self.low)))
 
 
 class Choice(_Declared):
@@ -156,6 +177,14 @@ class Choice(_Declared):
     def draw(self, rng: np.random.Generator, number: int) -> Floats:
         """Return so many independent draws."""
         return rng.choice(np.array(self.values, dtype=np.float64), number, p=self.shares or None)
+
+    def density(self, values: Floats) -> Floats:
+        """Return the probability of each value."""
+        shares = self.shares or (1 / len(self.values),) * len(self.values)
+        found = np.zeros(len(values))
+        for value, share in zip(self.values, shares, strict=True):
+            found += share * (values == value)
+        return found
 
 
 Distribution = Annotated[Fixed | Uniform | Normal | LogUniform | Choice, Field(discriminator="distribution")]

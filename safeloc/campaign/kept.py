@@ -1,5 +1,5 @@
 """Storage of a campaign's findings: vehicles with a wrong interval, and those with the smallest margins, as streams with
-the truth.
+the truth, shortened, and as a regression test.
 """
 
 from __future__ import annotations
@@ -10,9 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from safeloc.campaign.aggregate import Results
 from safeloc.campaign.declaration import Campaign, Shard
-from safeloc.campaign.scenes import Scene, drawn_runs
+from safeloc.campaign.regression import NAME, regression_test
+from safeloc.campaign.scenes import Scene, drawn_runs, scene_of
+from safeloc.campaign.shards import judge_of_target
+from safeloc.campaign.shortened import messages_of, shortened
 from safeloc.language.nodes import Value
 from safeloc.language.trace import present_inputs
 from safeloc.runtime.streams.steps import write_steps
@@ -45,24 +50,31 @@ def keep_streams(campaign: Campaign, results: Results, folder: Path) -> list[dic
     place = folder / _STREAMS
     place.mkdir(parents=True, exist_ok=True)
     for old in place.iterdir():
-        old.unlink()
+        if old.is_file():  # not the folder that Python leaves where the regression test was run
+            old.unlink()
     wanted: dict[int, list[_Wanted]] = {}
     for kind, (where, order, _) in KINDS.items():
         for shard, vehicle, cycle in results.worst(where, order, campaign.declared.kept):
             wanted.setdefault(shard, []).append(_Wanted(kind, vehicle, cycle))
     shards = campaign.shards
-    return [
+    kept = [
         entry for number, some in sorted(wanted.items()) for entry in _of_shard(campaign, shards[number], some, place)
     ]
+    if kept:
+        target = scene_of(campaign, campaign.strata[0]).target
+        (place / NAME).write_text(regression_test(target, kept, place), encoding="utf-8")
+    return kept
 
 
 def _of_shard(campaign: Campaign, shard: Shard, some: list[_Wanted], place: Path) -> Iterator[dict[str, Any]]:
     scene, drawn, runs = drawn_runs(campaign, shard)
-    config = _config(scene, shard, place)
+    config, judge = _config(scene, shard, place), judge_of_target(scene.target)
     for one in some:
         column = one.vehicle - shard.first
         path = place / f"{one.kind}-{shard.number:06}-{one.vehicle}.jsonl.gz"
-        steps, first = _stream(scene, runs, column, one.cycle + 1 + AFTER)
+        run = _alone(scene, runs, column, one.cycle + 1 + AFTER)
+        short = shortened(judge, run, one.cycle)
+        steps, first = _stream(scene, short)
         write_steps(path, steps, machine=scene.target.name, first=first)
         with_config = f" --config {config}" if config else ""
         yield {
@@ -73,7 +85,10 @@ def _of_shard(campaign: Campaign, shard: Shard, some: list[_Wanted], place: Path
             "vehicle": one.vehicle,
             "cycle": one.cycle + 1,
             "drawn": _drawn(drawn, column),
+            "messages": messages_of(scene.target.system, run),
+            "messages_left": messages_of(scene.target.system, short),
             "file": str(path),
+            "config": None if config is None else str(config),
             "command": f"safeloc replay {scene.target.spec or scene.target.name} {path}{with_config}",
         }
 
@@ -93,15 +108,22 @@ def _config(scene: Scene, shard: Shard, place: Path) -> Path | None:
     return path
 
 
-def _stream(scene: Scene, runs: ManyRuns, column: int, cycles: int) -> tuple[list[dict[str, Value]], dict[str, Value]]:
-    """Return the inputs of one vehicle, ghosts included, up to so many cycles, and the first values of open variables."""
-    system = scene.target.system
+def _alone(scene: Scene, runs: ManyRuns, column: int, cycles: int) -> ManyRuns:
+    """Return the run of one vehicle, up to so many cycles, as the border on board passes it on."""
     one = {name: values[:cycles, column : column + 1] for name, values in runs.inputs.items()}
-    admitted, _ = through_border(system, one)
-    names = [var.name for var in system.inputs]
-    length = len(next(iter(admitted.values())))
+    first = {
+        name: value if isinstance(value, int) else np.asarray(value)[column : column + 1]
+        for name, value in runs.first.items()
+    }
+    return ManyRuns(through_border(scene.target.system, one)[0], first)
+
+
+def _stream(scene: Scene, run: ManyRuns) -> tuple[list[dict[str, Value]], dict[str, Value]]:
+    """Return the inputs of one vehicle, ghosts included, and the first values of open variables."""
+    system = scene.target.system
+    lists = {var.name: run.inputs[var.name][:, 0].tolist() for var in system.inputs}
     steps = [
-        present_inputs(system, {name: admitted[name][cycle, 0].item() for name in names}) for cycle in range(length)
+        present_inputs(system, {name: values[cycle] for name, values in lists.items()})
+        for cycle in range(len(next(iter(lists.values()))))
     ]
-    first = {name: value if isinstance(value, int) else value[column].item() for name, value in runs.first.items()}
-    return steps, first
+    return steps, {name: value if isinstance(value, int) else value[0].item() for name, value in run.first.items()}

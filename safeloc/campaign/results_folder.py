@@ -13,7 +13,14 @@ from safeloc.campaign.declaration import Campaign
 from safeloc.campaign.kept import keep_streams
 from safeloc.campaign.scenes import scene_of
 from safeloc.report.campaign_page import campaign_page
-from safeloc.report.campaign_pictures import stanford_of_cells, times_until_silent, width_along_line, with_style
+from safeloc.report.campaign_pictures import (
+    availability_along_line,
+    margins_of_situations,
+    stanford_of_cells,
+    times_until_silent,
+    width_along_line,
+    with_style,
+)
 
 
 def write_results(campaign: Campaign, folder: Path) -> dict[str, Any]:
@@ -41,7 +48,18 @@ def _pictures(campaign: Campaign, results: Results, data: Mapping[str, Any]) -> 
     names = {one.number: campaign.words_of(one) for one in strata}
     period = {names[one.number]: data["strata"][one.number]["period_ms"] for one in strata}
     along = {names[one.number]: results.along(one) for one in strata}
-    found = {"width": ("Width along the line", width_along_line(along, declared.place_step_mm, "width along the line"))}
+    margins = {names[one.number]: results.margins_mm(one) for one in strata}
+    found = {
+        "width": ("Width along the line", width_along_line(along, declared.place_step_mm, "width along the line")),
+        "availability": (
+            "Availability along the line",
+            availability_along_line(along, declared.place_step_mm, "availability along the line"),
+        ),
+        "margins": (
+            "Smallest margins of the vehicles, by situation",
+            margins_of_situations(margins, "smallest margins by situation"),
+        ),
+    }
     if len(limits) == 1:  # cells of vehicles with different limits are of different size
         limit_mm = limits.pop()
         drawn = stanford_of_cells(results.stanford(), results.silent(), limit_mm, CELLS_TO_LIMIT, "all vehicles run")

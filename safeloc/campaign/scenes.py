@@ -12,6 +12,7 @@ import numpy as np
 from safeloc.campaign.declaration import Campaign, FaultDraw, Shard, Stratum
 from safeloc.campaign.distributions import Choice, Distribution, Fixed
 from safeloc.campaign.judged import libraries
+from safeloc.campaign.tilting import Tilting, refusal
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
 from safeloc.language.interpret import start
@@ -30,6 +31,7 @@ from safeloc.runtime.embedding.cycle_length import configured_period_ms
 from safeloc.simulated import first_values
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, ManySimulation, packed
+from safeloc.simulation.vehicle_seed import VehicleSeed
 from safeloc.simulation.vehicles import load_vehicle
 from safeloc.target import Target
 
@@ -86,11 +88,10 @@ class OwnSimulation:
         """The length of a cycle, as far as the configuration says it; else 1 000 ms."""
         return configured_period_ms(self.target.name, self.target.config) or 1_000
 
-    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+    def runs(self, drawn: Drawn, cycles: int) -> ManyRuns:
         """Return the runs of the vehicles."""
         assert self.target.simulate is not None
-        seeds = rng.integers(0, 2**31, drawn.vehicles)
-        made = [self.target.simulate(int(seed)) for seed in seeds]
+        made = [self.target.simulate(int(seed.rng("simulation").integers(0, 2**31))) for seed in drawn.seeds]
         return ManyRuns(packed(self.target.system, made, cycles), self._first([first_values(run) for run in made]))
 
     def _first(self, chosen: Sequence[Mapping[str, Value]]) -> dict[str, Array | Value]:
@@ -191,8 +192,24 @@ def check_strata(campaign: Campaign) -> None:
                     place, f"there is no such figure; there are {known}.{hint(name, simulation.figures)}"
                 )
             _factor(campaign, one, simulation.figures[name], place, simulation.period_ms)
-        for number, fault in enumerate(campaign.situation_of(stratum).faults):
-            _check_fault(campaign, fault, ("situations", stratum.situation, "faults", number), simulation)
+        situation, at = campaign.situation_of(stratum), ("situations", stratum.situation)
+        figures = {name: one for name, (one, _) in campaign.figures_of(stratum).items()}
+        _check_tilt(campaign, figures, situation.tilt, at)
+        for number, fault in enumerate(situation.faults):
+            _check_fault(campaign, fault, (*at, "faults", number), simulation)
+            _check_tilt(campaign, fault.drawn, fault.tilt, (*at, "faults", number))
+
+
+def _check_tilt(
+    campaign: Campaign,
+    declared: Mapping[str, Distribution],
+    tilts: Mapping[str, Distribution],
+    place: Sequence[str | int],
+) -> None:
+    for name, one in tilts.items():
+        why = refusal(declared.get(name), one)
+        if why:
+            raise campaign.refuse((*place, "tilt", name), why)
 
 
 def _check_fault(campaign: Campaign, fault: FaultDraw, place: Sequence[str | int], simulation: ManySimulation) -> None:
@@ -253,26 +270,30 @@ def _factor(
 
 def drawn_runs(campaign: Campaign, shard: Shard) -> tuple[Scene, Drawn, ManyRuns]:
     """Return the scene of a shard, what is drawn of its vehicles, and their runs; the same wherever it is run."""
-    scene = scene_of(campaign, shard.stratum)
+    scene, drawn = scene_of(campaign, shard.stratum), drawn_of(campaign, shard)
+    return scene, drawn, scene.simulation.runs(drawn, campaign.declared.cycles)
+
+
+def drawn_of(campaign: Campaign, shard: Shard) -> Drawn:
+    """Return what is drawn of the vehicles of a shard, before any of them runs."""
+    simulation = scene_of(campaign, shard.stratum).simulation
     rng = np.random.default_rng([campaign.declared.seed, shard.number])
-    drawn = _drawn(campaign, shard, scene.simulation, rng)
-    return scene, drawn, scene.simulation.runs(drawn, campaign.declared.cycles, rng)
-
-
-def _drawn(campaign: Campaign, shard: Shard, simulation: ManySimulation, rng: np.random.Generator) -> Drawn:
     number, declared = shard.end - shard.first, campaign.figures_of(shard.stratum)
+    situation = campaign.situation_of(shard.stratum)
+    tilting = Tilting(situation.tilted if situation.greatest_weight else None, number, rng)
     figures = {name: np.full(number, one.default) for name, one in simulation.figures.items()}
     for name in simulation.figures:
         if name in declared:
             one, place = declared[name]
             factor = _factor(campaign, one, simulation.figures[name], place, simulation.period_ms)
-            figures[name] = one.draw(rng, number) * factor
+            figures[name] = tilting.draw(name, one, situation.tilt) * factor
     faults: list[list[Fault]] = [[] for _ in range(number)]
-    for index, fault in enumerate(campaign.situation_of(shard.stratum).faults):
+    for index, fault in enumerate(situation.faults):
         place = ("situations", shard.stratum.situation, "faults", index)
-        for run, struck in enumerate(_faults(campaign, fault, place, simulation, rng, number)):
+        for run, struck in enumerate(_faults(campaign, fault, place, simulation, tilting, number)):
             faults[run].append(struck)
-    return Drawn(number, figures, faults)
+    seeds = [VehicleSeed(campaign.declared.seed, (shard.number, vehicle)) for vehicle in range(number)]
+    return Drawn(number, figures, faults, seeds, tilting.weights)
 
 
 def _faults(
@@ -280,7 +301,7 @@ def _faults(
     fault: FaultDraw,
     place: Sequence[str | int],
     simulation: ManySimulation,
-    rng: np.random.Generator,
+    tilting: Tilting,
     number: int,
 ) -> list[Fault]:
     """Return the fault of each vehicle."""
@@ -288,10 +309,10 @@ def _faults(
     for name, one in (("begin", fault.begin), ("lasts", fault.lasts)):
         if one is not None:
             factor = _factor(campaign, one, CYCLES, (*place, name), simulation.period_ms)
-            times[name] = np.rint(one.draw(rng, number) * factor).astype(np.int64)
+            times[name] = np.rint(tilting.draw(name, one, fault.tilt) * factor).astype(np.int64)
     begin = times.get("begin", np.zeros(number, dtype=np.int64))
     end = None if "lasts" not in times else begin + np.maximum(1, times["lasts"])
-    figures = {name: one.draw(rng, number) for name, one in fault.figures.items()}
+    figures = {name: tilting.draw(name, one, fault.tilt) for name, one in fault.figures.items()}
     kinds = simulation.kinds[fault.where]
     return [
         Fault(

@@ -66,6 +66,10 @@ def run_missing(campaign: Campaign, folder: Path, where: Where, tell: Tell) -> P
     """Run every shard that is not in the folder, or damaged, or of another content; delete files that do not belong to the campaign."""
     wanted = digests(campaign)
     left, damaged = _left(folder, wanted)
+    first_of = {shard.number: shard.first for shard in campaign.shards}
+    left.sort(
+        key=lambda number: (first_of[number], number)
+    )  # each stratum in turn: what is done so far speaks of all of them
     progress = Progress(len(wanted), len(wanted) - len(left), damaged=damaged)
     tell(progress)
     cycles_of = {shard.number: (shard.end - shard.first) * campaign.declared.cycles for shard in campaign.shards}

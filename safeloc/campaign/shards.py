@@ -28,7 +28,7 @@ from safeloc.language.digest import full_digest
 from safeloc.proof.cache.engine import source_digest
 from safeloc.target import Target
 
-_FORMAT = "safeloc-shard/1"
+_FORMAT = "safeloc-shard/2"
 FOLDER = "shards"
 _NAMED = re.compile(r"(\d{6,})-([0-9a-f]{16})-([0-9a-f]{16})\.parquet")
 _WIDTH = 16
@@ -73,7 +73,9 @@ def _common() -> str:
 def _digest_of_stratum(campaign: Campaign, stratum: Stratum) -> str:
     declared, scene = campaign.declared, scene_of(campaign, stratum)
     said = {
-        "situation": campaign.situation_of(stratum).model_dump(mode="json", include={"figures", "faults"}),
+        "situation": campaign.situation_of(stratum).model_dump(
+            mode="json", include={"figures", "faults", "tilt", "tilted"}
+        ),
         "figures": {name: one.model_dump(mode="json") for name, one in declared.figures.items()},
         "cycles": declared.cycles,
         "seed": declared.seed,
@@ -144,7 +146,7 @@ def run_shard(text: str, name: str, number: int) -> bytes:
 
 def _table(campaign: Campaign, shard: Shard) -> bytes:
     scene, drawn, runs = drawn_runs(campaign, shard)
-    judge = _judge_of(scene.target)
+    judge = judge_of_target(scene.target)
     limit_mm = alert_limit_mm(campaign, scene.target)
     counted = Counted(shard, judge.clauses, drawn, judge.outcome(runs), limit_mm, campaign.declared.place_step_mm)
     return to_parquet(counted.groups())
@@ -156,6 +158,6 @@ def _parsed(text: str, name: str) -> Campaign:
 
 
 @lru_cache(maxsize=8)
-def _judge_of(target: Target) -> Judge:
+def judge_of_target(target: Target) -> Judge:
     """Return the judge of a machine, compiled once in a process."""
     return judge_of(target)

@@ -102,13 +102,24 @@ def mean_share(total: float, squares: float, trials: int, confidence: float) -> 
     return Estimate(mean, max(0.0, mean - room), min(1.0, mean + room), confidence, trials, "empirical Bernstein")
 
 
+def tilted_share(total: float, squares: float, trials: int, greatest: float, confidence: float) -> Estimate:
+    """Return the mean of weights (0 to `greatest`) of vehicles with an event, or of weights times shares: importance sampling.
+
+    total, squares  the sum over vehicles, and of the squares. The interval holds for every number of vehicles (empirical Bernstein).
+    """
+    one = mean_share(total / greatest, squares / greatest**2, trials, confidence)
+    value, low, high = (part * greatest for part in (one.value, one.low, one.high))
+    return Estimate(value, low, min(1.0, high), confidence, trials, f"importance sampling, {one.method}")
+
+
 def weighted_mean(parts: Sequence[tuple[float, Estimate]], confidence: float) -> Estimate:
     """Return the weighted sum of estimates; each must hold with `shared_confidence`, so that all hold at once."""
     weighed = [(weight, one) for weight, one in parts if weight > 0]
     value, low, high = (
         sum(weight * getattr(one, name) for weight, one in weighed) for name in ("value", "low", "high")
     )
-    method = f"weighted sum of {len(weighed)} strata, empirical Bernstein intervals that hold all at once (Bonferroni)"
+    kinds = " and ".join(dict.fromkeys(one.method for _, one in weighed))
+    method = f"weighted sum of {len(weighed)} strata, intervals that hold all at once (Bonferroni): {kinds}"
     return Estimate(value, low, high, confidence, sum(one.trials for _, one in weighed), method)
 
 

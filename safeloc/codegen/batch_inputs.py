@@ -56,12 +56,13 @@ def _optional(
 ) -> dict[Var, Array]:
     """Return the arrays of value and presence; without a presence array, the value is present in every step."""
     if present is None:
-        present = np.full(shape, value is not None)
+        present = np.broadcast_to(np.bool_(value is not None), shape)
     if value is None:
         value = np.full(shape, canonical(option.value))
         wrong = present
     else:
-        wrong = np.logical_and(np.logical_not(present), value != canonical(option.value))
+        rows, flags = _different(value), _different(present)
+        wrong = np.logical_and(np.logical_not(flags), rows != canonical(option.value))
     flags, numbers = _admitted(system, option.present, present), _admitted(system, option.value, value)
     if wrong.any():
         step, run = np.argwhere(wrong)[0]
@@ -78,13 +79,19 @@ def _admitted(system: TransitionSystem, var: Var, array: Array) -> Array:
     _check_type(f"{system.name}: input {var.name!r}", var, array)
     if isinstance(var, BoolVar):
         return array
-    if array.size and (array.min() < var.low or array.max() > var.high):
+    rows = _different(array)
+    if rows.size and (rows.min() < var.low or rows.max() > var.high):
         step, run = np.argwhere(np.logical_or(array < var.low, array > var.high))[0]
         raise InputError(
             f"{system.name}: input {var.name!r} at step {step}, run {run} is {array[step, run]}, outside "
             f"{var.low}..{var.high} {var.unit.name}."
         )
     return array.astype(np.int64, copy=False)
+
+
+def _different(array: Array) -> Array:
+    """Return the rows of an array that may differ: of one whose rows are all one row in memory, that row."""
+    return array[:1] if array.strides[0] == 0 else array
 
 
 def _check_type(what: str, var: Var, array: Array) -> None:

@@ -52,12 +52,14 @@ class LanesBatch:
         runs, lanes = len(state[0]), self.lanes
         if 0 < runs < lanes:
             return self._widened(columns, state, kept, lanes)
-        columns, state = [list(map(np.ascontiguousarray, arrays)) for arrays in (columns, state)]
+        columns, state = list(map(_in_rows, columns)), list(map(np.ascontiguousarray, state))
         after, steps = [np.empty_like(array) for array in state], len(columns[0])
-        given = [_pointers(arrays) for arrays in (state, after, columns, kept)]
+        strides = (ctypes.c_size_t * len(columns))(*(column.strides[0] for column in columns))
+        before_, after_, columns_, kept_ = (_pointers(arrays) for arrays in (state, after, columns, kept))
 
         def take(block: tuple[int, int]) -> None:
-            self.library.run_lanes(*given, *map(ctypes.c_size_t, (runs, *block, steps)))
+            sizes = map(ctypes.c_size_t, (runs, *block, steps))
+            self.library.run_lanes(before_, after_, columns_, strides, kept_, *sizes)
 
         with ThreadPoolExecutor(self.threads) as pool:
             list(pool.map(take, _blocks(runs, min(block_runs, -(-runs // self.threads)), lanes)))
@@ -123,6 +125,13 @@ def _native(cc: str) -> tuple[tuple[str, ...], str]:
     if done.returncode != 0:
         return _FLAGS, "any processor"
     return (*_FLAGS, _NATIVE), f"processor {hashlib.sha256(done.stdout.encode()).hexdigest()[:16]}"
+
+
+def _in_rows(column: Array) -> Array:
+    """Return an array whose rows each lie in one piece; where all rows are one row, that row is in memory once."""
+    if column.strides[0] == 0 and len(column) > 1:
+        return np.broadcast_to(np.ascontiguousarray(column[0]), column.shape)
+    return np.ascontiguousarray(column)
 
 
 def _pointers(arrays: Sequence[Array]) -> ctypes.Array[Any]:

@@ -4,6 +4,7 @@ code = compile_steps(system, keep=["position_mm"])    once for a system
 runs = code.begin(inputs)                             arrays [step, run] of all inputs, optional ones with `name.present`
 runs.told["position_mm"]                              array [run]: the output after the last step, at first that of the first state
 runs.step(number)                                     takes that row of the inputs, which may have been written just before
+code.through(inputs)["position_mm"]                   array [step, run]: all steps at once, where no input follows from what was told
 
 A few runs take generated Python, many take C over vector lanes, or numpy where there is no compiler; all tell the same. The
 code checks nothing: inputs must be in their ranges, and an absent value must be written as `absent_everywhere` does.
@@ -31,6 +32,7 @@ from safeloc.language.expr import Num
 from safeloc.language.interpret import outputs, start
 from safeloc.language.system import TransitionSystem
 
+_BLOCK_RUNS = 8_192
 _FEW = 8
 """Fewer runs than this are stepped one by one: no register has more lanes."""
 
@@ -70,6 +72,22 @@ class Stepped:
         if self._lanes is None:
             return _InNumpy(self._numpy.step, columns, state, told)
         return _InLanes(self._lanes, columns, state, told)
+
+    def through(self, inputs: Mapping[str, Array]) -> dict[str, Array]:
+        """Take all steps; return the kept outputs after each: name -> array [step, run]. InputError as in `begin`."""
+        columns = self._columns(inputs)
+        steps, runs = columns[0].shape
+        found = {name: np.empty((steps, runs), _dtype(self.system.outputs[name])) for name in self.keep}
+        batch = None if runs < _FEW else self._lanes or self._numpy
+        if batch is not None:
+            batch.moved(columns, first_states(self.system, {}, runs), list(found.values()), _BLOCK_RUNS)
+            return found
+        taken = self.begin(inputs)
+        for number in range(steps):
+            taken.step(number)
+            for name, values in found.items():
+                values[number] = taken.told[name]
+        return found
 
     def _columns(self, inputs: Mapping[str, Array]) -> list[Array]:
         missing = [var.name for var in self.system.inputs if var.name not in inputs]
@@ -163,24 +181,30 @@ class _InLanes:
 
     def __init__(self, batch: LanesBatch, columns: list[Array], state: list[Array], told: dict[str, Array]) -> None:
         self.told = told
-        self._runs, self._library, self._columns = len(state[0]), batch.library, columns
-        self._states = [state, [np.empty_like(array) for array in state]]
-        self._of_states = [_addresses(arrays) for arrays in self._states]
+        self._kept = (
+            columns,
+            [state, [np.empty_like(array) for array in state]],
+        )  # the addresses below must stay theirs
+        self._of_states = [_addresses(arrays) for arrays in self._kept[1]]
         self._of_told, self._first_rows = _addresses(list(told.values())), _addresses(columns)
         self._row_bytes = np.array([column.strides[0] for column in columns], dtype=np.uintp)
-        self._rows = self._first_rows.copy()
+        self._rows, self._strides = self._first_rows.copy(), np.zeros(len(columns), dtype=np.uintp)
+        runs = len(state[0])
+        sizes = tuple(ctypes.c_size_t(size) for size in (runs, 0, runs, 1))
+        before, after, rows, strides, of_told = (
+            ctypes.c_void_p(array.ctypes.data) for array in (*self._of_states, self._rows, self._strides, self._of_told)
+        )
+        self._given = [
+            (one, other, rows, strides, of_told, *sizes) for one, other in ((before, after), (after, before))
+        ]
+        self._run = batch.library.run_lanes
 
     def step(self, number: int) -> None:
         """Take the step."""
         np.multiply(self._row_bytes, np.uintp(number), out=self._rows)
-        self._rows += self._first_rows
-        given = (*self._of_states, self._rows, self._of_told)
-        self._library.run_lanes(
-            *[ctypes.c_void_p(array.ctypes.data) for array in given],
-            *map(ctypes.c_size_t, (self._runs, 0, self._runs, 1)),
-        )
-        self._of_states.reverse()
-        self._states.reverse()
+        np.add(self._rows, self._first_rows, out=self._rows)
+        self._run(*self._given[0])
+        self._given.reverse()
 
 
 def _addresses(arrays: Sequence[Array]) -> Array:

@@ -125,7 +125,8 @@ def to_lanes(system: TransitionSystem, keep: Sequence[str]) -> str:
 
     keep  state variables, fired variables and outputs to record in every step
 
-    States are columns [run], inputs and recorded values are columns [step, run]; numbers are int64_t, truth values uint8_t.
+    States are columns [run], inputs and recorded values are columns [step, run]; numbers are int64_t, truth values uint8_t. Rows of
+    an input lie `strides` bytes apart: none where all its rows are one.
     The code checks nothing: inputs must be in their ranges, and no term may exceed 64 bits.
     """
     found = stages(system)
@@ -214,15 +215,23 @@ def _loop(system: TransitionSystem, calls: Sequence[str], recorded: int) -> str:
     """Return the loop over runs and steps. The last lanes overlap earlier ones to be full; a run taken twice is the same."""
     loaded = [f"state[{n}] = {_get(var, f'before[{n}]', 'run')};" for n, var in enumerate(system.state)]
     stored = [_put(var, f"after[{n}]", "run", f"state[{n}]") for n, var in enumerate(system.state)]
-    return f"""void run_lanes(const void *const *before, void *const *after, const void *const *inputs, void *const *kept,
-        size_t runs, size_t begin, size_t end, size_t steps)
+    columns = len(system.inputs)
+    return f"""void run_lanes(const void *const *before, void *const *after, const void *const *columns, const size_t *strides,
+        void *const *kept, size_t runs, size_t begin, size_t end, size_t steps)
 {{
     for (size_t next = begin; next < end; next += LANES) {{
-        const size_t run = end - next < LANES ? end - LANES : next;
+        const size_t place = end - next < LANES ? end - LANES : next;
+        const size_t run = place;
+        const void *inputs[{max(columns, 1)}];
         lanes state[{len(system.state)}], fired[{max(recorded, 1)}];
+        for (size_t column = 0; column < {columns}; column++) {{
+            inputs[column] = columns[column];
+        }}
 {_indented(loaded, 2)}        for (size_t number = 0; number < steps; number++) {{
-            const size_t place = number * runs + run;
-{_indented([*calls, "tell(state, fired, kept, place);"], 3)}        }}
+{_indented([*calls, "tell(state, fired, kept, number * runs + run);"], 3)}            for (size_t column = 0; column < {columns}; column++) {{
+                inputs[column] = (const char *)inputs[column] + strides[column];
+            }}
+        }}
 {_indented(stored, 2)}    }}
 }}
 """

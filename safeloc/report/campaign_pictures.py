@@ -1,4 +1,4 @@
-"""Pictures of a campaign: Stanford diagram, width along the line, time until nothing is reported."""
+"""Pictures of a campaign: Stanford diagram, width and availability along the line, margins of situations, time until nothing is reported."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from safeloc.report.drawing import (
     picture,
     stroke_swatch,
     styled,
+    upright,
     upright_axis,
     word,
 )
@@ -68,6 +69,49 @@ def width_along_line(
     made.append(across_axis(across, up.begin, "place in m"))
     drawn, y = legend([*keys, stroke_swatch("#222", "mean"), stroke_swatch("#222", "greatest", "5 3")], up.begin + 62)
     return picture([*made, drawn], y, title)
+
+
+def availability_along_line(
+    stretches: Mapping[str, Sequence[tuple[int, int, int, int, int]]], step_mm: int, title: str
+) -> str:
+    """Return the share of vehicle-cycles with a report in stretches of the line, a colour for each stratum. `stretches` as for the width."""
+    every = [one for rows in stretches.values() for one in rows]
+    if not every:
+        return ""
+    across = Axis(min(one[0] for one in every) * step_mm, (max(one[0] for one in every) + 1) * step_mm, LEFT, RIGHT)
+    up = Axis(0, 1.02, _TOP + _TALL, _TOP)
+    made, keys = [upright_axis(up, "share of cycles", unit=1)], []
+    for colour, (name, rows) in zip(_cycle(len(stretches)), stretches.items(), strict=True):
+        points = [Point(across.at((one[0] + 0.5) * step_mm), up.at(one[2] / one[1])) for one in rows]
+        made.append(line([points], colour, kind="availability"))
+        keys.append(stroke_swatch(colour, name))
+    made.append(across_axis(across, up.begin, "place in m"))
+    drawn, y = legend(keys, up.begin + 62)
+    return picture([*made, drawn], y, title)
+
+
+def margins_of_situations(margins: Mapping[str, Sequence[int]], title: str) -> str:
+    """Return a row for each stratum with any report: from the smallest margin of its vehicles to the median, with a dot at each.
+
+    margins  least, 1 %, 10 % and median of the vehicles' smallest margins, mm; below 0 the interval misses the truth
+    """
+    known = {name: rows for name, rows in margins.items() if rows}
+    if not known:
+        return ""
+    low, high = (pick(one for rows in known.values() for one in rows) for pick in (min, max))
+    room = (high - low) * 0.03 + 1
+    across, bottom = Axis(min(0, low) - room, max(0, high) + room, LEFT, RIGHT), _TOP + 34 * len(known)
+    made = [
+        upright(across.at(0), _TOP - 12, bottom, "#222", kind="truth"),
+        across_axis(across, bottom, "smallest margin in m"),
+    ]
+    for number, (name, rows) in enumerate(known.items()):
+        y, colour = _TOP + 34 * number + 16, _COLOURS[1] if rows[0] < 0 else _COLOURS[0]
+        made.append(word(LEFT, y - 8, name))
+        made.append(line([[Point(across.at(rows[0]), y), Point(across.at(rows[-1]), y)]], colour, kind="margin"))
+        made += [line([[Point(across.at(one), y)]], colour, kind="quantile") for one in rows]
+    says = "dots: the least margin, and 1 %, 10 % and half of the vehicles below; left of the broken line the interval misses the truth"
+    return picture([*made, word(LEFT, bottom + 56, says, soft=True)], bottom + 68, title)
 
 
 def times_until_silent(

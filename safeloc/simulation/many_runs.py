@@ -21,6 +21,7 @@ from safeloc.language.system import TransitionSystem, canonical
 from safeloc.language.units import Enumeration
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault, Kinds
+from safeloc.simulation.vehicle_seed import VehicleSeed
 
 Array = NDArray[Any]
 
@@ -42,11 +43,16 @@ class DrawnFigure:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """The draws of each vehicle: figures (name -> array [vehicle]) and faults."""
+    """The draws of each vehicle: figures (name -> array [vehicle]), faults, and the seed of its sensors.
+
+    weights  the number of vehicles of the declared distributions for which each stands; None: 1 each
+    """
 
     vehicles: int
     figures: Mapping[str, NDArray[np.float64]]
     faults: Sequence[Sequence[Fault]]
+    seeds: Sequence[VehicleSeed]
+    weights: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +89,8 @@ class ManySimulation(Protocol):
         """The length of a cycle."""
         ...
 
-    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
-        """Return the runs of the vehicles; the same for the same draws and the same state of the generator."""
+    def runs(self, drawn: Drawn, cycles: int) -> ManyRuns:
+        """Return the runs of the vehicles; the same for the same draws."""
         ...
 
 
@@ -161,8 +167,9 @@ def through_border(system: TransitionSystem, inputs: Mapping[str, Array]) -> tup
     refused = np.zeros(vehicles, dtype=np.int64)
     for option in system.optionals:
         var, value = option.value, found[option.value.name]
-        beyond = (value < var.low) | (value > var.high)
-        if beyond.any():
+        rows = value[:1] if value.strides[0] == 0 else value
+        if rows.min() < var.low or rows.max() > var.high:
+            beyond = (value < var.low) | (value > var.high)
             refused += beyond.sum(axis=0)
             found[var.name] = np.where(beyond, canonical(var), value)
             found[option.present.name] = found[option.present.name] & ~beyond

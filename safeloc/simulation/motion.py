@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from safeloc.config import Config, quantity
 
 _GRAVITY_MM_S2 = 9_810
+_Float = Any
+"""A float, or an array of floats."""
 
 
 class VehicleConfig(Config):
@@ -29,8 +32,12 @@ class VehicleConfig(Config):
 
 def adhesion_mm_s2(vehicle: VehicleConfig, speed_mm_s: float) -> float:
     """Return the greatest acceleration by adhesion at a speed (Curtius-Kniffler): gravity x (7.5 / (v + 44 km/h) + 0.161)."""
-    friction = 7.5 / (abs(speed_mm_s) * 0.0036 + 44) + 0.161
-    return friction * _GRAVITY_MM_S2 * vehicle.adhesion_percent / 100
+    return float(_adhesion(np.float64(vehicle.adhesion_percent), np.float64(speed_mm_s)))
+
+
+def _adhesion(percent: _Float, speed_mm_s: _Float) -> _Float:
+    friction = 7.5 / (np.abs(speed_mm_s) * 0.0036 + 44) + 0.161
+    return friction * _GRAVITY_MM_S2 * percent / 100
 
 
 @dataclass(frozen=True)
@@ -70,27 +77,83 @@ def plan(vehicle: VehicleConfig, seconds: float, rng: np.random.Generator, *, re
     return legs
 
 
+@dataclass(frozen=True)
+class Motions:
+    """The true motions of several vehicles, each as in `Motion`. Shapes [cycles, vehicles]."""
+
+    period_ms: int
+    position_nm: NDArray[np.int64]
+    speed_mm_s: NDArray[np.float64]
+    start_nm: int
+
+    @classmethod
+    def alone(cls, motion: Motion) -> Motions:
+        """Return the motion of one vehicle as those of several."""
+        return cls(motion.period_ms, motion.position_nm[:, None], motion.speed_mm_s[:, None], motion.start_nm)
+
+    @property
+    def distance_nm(self) -> NDArray[np.int64]:
+        """The true distance of every cycle, nm."""
+        return np.diff(self.position_nm, axis=0, prepend=np.int64(self.start_nm))
+
+    def of(self, vehicle: int) -> Motion:
+        """Return the motion of one vehicle."""
+        return Motion(
+            self.period_ms,
+            np.ascontiguousarray(self.position_nm[:, vehicle]),
+            np.ascontiguousarray(self.speed_mm_s[:, vehicle]),
+            self.start_nm,
+        )
+
+
 def move(vehicle: VehicleConfig, legs: Sequence[Leg], period_ms: int, *, start_nm: int = 0) -> Motion:
     """Drive the legs, within traction, brake and jerk."""
+    return move_many([vehicle], [legs], period_ms, start_nm=start_nm).of(0)
+
+
+def move_many(
+    vehicles: Sequence[VehicleConfig], legs: Sequence[Sequence[Leg]], period_ms: int, *, start_nm: int = 0
+) -> Motions:
+    """Drive the legs of each vehicle, as `move` does each of them; all legs must take the same number of cycles."""
     dt = period_ms / 1000
-    speed = acceleration = 0.0
-    speeds: list[float] = []
-    for leg in legs:
-        wanted = float(np.clip(leg.speed_mm_s, -vehicle.max_speed_mm_s, vehicle.max_speed_mm_s))
-        for _ in range(max(1, round(leg.seconds / dt))):
-            acceleration = _towards(vehicle, speed, wanted, acceleration, dt)
-            speed = float(np.clip(speed + acceleration * dt, -vehicle.max_speed_mm_s, vehicle.max_speed_mm_s))
-            if abs(speed) < 1 and wanted == 0:
-                speed = acceleration = 0.0
-            speeds.append(speed)
-    steps = np.rint(np.array(speeds) * period_ms * 1000).astype(np.int64)
-    return Motion(period_ms, start_nm + np.cumsum(steps), np.array(speeds), start_nm)
+    wanted = np.stack([_wanted(*one, dt) for one in zip(vehicles, legs, strict=True)], axis=1)
+    limits = _Limits(vehicles)
+    speeds, rest = np.empty(wanted.shape), wanted == 0
+    speed = acceleration = np.zeros(len(vehicles))
+    for cycle, goal in enumerate(wanted):
+        acceleration = limits.towards(speed, goal, acceleration, dt)
+        speed = np.minimum(np.maximum(speed + acceleration * dt, -limits.top), limits.top)
+        moves = ~(rest[cycle] & (np.abs(speed) < 1))
+        speed, acceleration = np.where(moves, speed, 0.0), np.where(moves, acceleration, 0.0)
+        speeds[cycle] = speed
+    steps = np.rint(speeds * period_ms * 1000).astype(np.int64)
+    return Motions(period_ms, start_nm + np.cumsum(steps, axis=0), speeds, start_nm)
 
 
-def _towards(vehicle: VehicleConfig, speed: float, wanted: float, acceleration: float, dt: float) -> float:
-    """Return the next acceleration, which would close the gap in speed within two seconds."""
-    braking = abs(wanted) < abs(speed) or wanted * speed < 0
-    limit = min(vehicle.brake_mm_s2 if braking else vehicle.acceleration_mm_s2, adhesion_mm_s2(vehicle, speed))
-    wish = float(np.clip((wanted - speed) / 2.0, -limit, limit))
-    change = vehicle.jerk_mm_s3 * dt
-    return float(np.clip(wish, acceleration - change, acceleration + change))
+def _wanted(vehicle: VehicleConfig, legs: Sequence[Leg], dt: float) -> NDArray[np.float64]:
+    """Return the speed that is wanted in each cycle."""
+    speeds = [min(max(float(leg.speed_mm_s), -vehicle.max_speed_mm_s), vehicle.max_speed_mm_s) for leg in legs]
+    return np.repeat(np.array(speeds, dtype=np.float64), [max(1, round(leg.seconds / dt)) for leg in legs])
+
+
+class _Limits:
+    """The limits of vehicles, arrays [vehicle]."""
+
+    def __init__(self, vehicles: Sequence[VehicleConfig]) -> None:
+        def of(name: str) -> NDArray[np.float64]:
+            return np.array([getattr(one, name) for one in vehicles], dtype=np.float64)
+
+        self.top, self._jerk, self._adhesion = of("max_speed_mm_s"), of("jerk_mm_s3"), of("adhesion_percent")
+        self._accelerates, self._brakes = of("acceleration_mm_s2"), of("brake_mm_s2")
+        most = np.maximum(self._accelerates, self._brakes)
+        self._sticks = bool((_adhesion(self._adhesion, self.top) >= most).all())  # it is least at the highest speed
+
+    def towards(self, speed: _Float, wanted: _Float, acceleration: _Float, dt: float) -> _Float:
+        """Return the next accelerations, which would close the gaps in speed within two seconds."""
+        braking = (np.abs(wanted) < np.abs(speed)) | (wanted * speed < 0)
+        limit = np.where(braking, self._brakes, self._accelerates)
+        if not self._sticks:
+            limit = np.minimum(limit, _adhesion(self._adhesion, speed))
+        wish = np.minimum(np.maximum((wanted - speed) / 2.0, -limit), limit)
+        change = self._jerk * dt
+        return np.minimum(np.maximum(wish, acceleration - change), acceleration + change)

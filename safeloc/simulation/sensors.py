@@ -6,6 +6,10 @@ A distance sensor measures, in every cycle,   true = measured + change of wander
     |drift|  <= floor x period + rate x (measured distance above the knee)
 
 The wander is returned, so that the law can be checked exactly (`law_check`). Faults break it on purpose.
+
+The wander moves slowly (a wheel that slips a little), so two distances that follow each other are ones that the vehicle can have run. In a
+silence longer than `_SLIPS_ON` cycles it rests: a unit that counts nothing counts no slip, which else would come at once with the
+first distance after it, and no vehicle can have run that distance.
 """
 
 from __future__ import annotations
@@ -26,6 +30,10 @@ FOREIGN = 900_000
 """Identities from here on belong to other lines."""
 SEVERITY = 0.9
 """Share of the allowed error that a unit uses, unless another one is asked for."""
+_SLIPS_ON = 3
+"""Cycles of a silence in which a wheel slips on: shorter ones are single distances that were lost, and the unit counts on."""
+_EPISODE = 100
+"""Cycles in which the wander moves towards one value."""
 KINDS = Kinds(
     "a distance sensor",
     {**plain("stuck", "runaway", "drop-out", "slip", "slide", "freeze"), "jump": {"by_mm": 50_000}},
@@ -139,11 +147,9 @@ def measure_many(
     true_nm   true distances, array [cycle, run]; of one column if all runs drive alike
     """
     cycles, runs = len(true_nm), len(rngs)
-    bias, present = np.empty((cycles, runs)), np.empty((cycles, runs), dtype=np.bool_)
-    wanted = np.empty((cycles // 100 + 1, runs))
-    for run, rng in enumerate(rngs):
+    bias, wanted, present = draws_of(rngs, cycles, dropout)
+    for run in range(runs):
         KINDS.require(faults[run])
-        bias[:, run], wanted[:, run], present[:, run] = _drawn(rng, cycles, dropout[run])
         present[:, run] &= ~_silenced(name, cycles, faults[run])
     step, wander = measured(true_nm, period_ms, law, np.array(severity, dtype=np.float64), bias, wanted, present)
     _check_wander(name, law, wander)
@@ -153,17 +159,18 @@ def measure_many(
     return Distances(name, step, present, wander)
 
 
-def _drawn(
-    rng: np.random.Generator, cycles: int, dropout: float
+def draws_of(
+    rngs: Sequence[np.random.Generator], cycles: int, dropout: Sequence[float]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Return, of one run: the share of the drift in each cycle, the wander wanted in each 100 cycles, and whether a cycle is measured."""
-    bias = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
-    return bias, rng.uniform(-1, 1, cycles // 100 + 1), rng.random(cycles) >= dropout
-
-
-def skip_measure(rng: np.random.Generator, cycles: int) -> None:
-    """Draw what `measure` draws of a unit, where other measurements take the place of its own."""
-    _drawn(rng, cycles, 0.0)
+    """Return, of each run: the share of the drift in each cycle, the wander wanted in each episode, and whether a cycle is measured."""
+    bias, wanted = np.empty((len(rngs), cycles)), np.empty((len(rngs), cycles // _EPISODE + 1))
+    present = np.empty((len(rngs), cycles), dtype=np.bool_)
+    for run, (rng, share) in enumerate(zip(rngs, dropout, strict=True)):
+        bias[run] = rng.uniform(-1, 1) * np.ones(cycles) + rng.normal(0, 0.05, cycles)
+        wanted[run] = rng.uniform(-1, 1, cycles // _EPISODE + 1)
+        present[run] = rng.random(cycles) >= share
+    bias, wanted = (np.ascontiguousarray(one.T) for one in (bias, wanted))
+    return bias, wanted, np.ascontiguousarray(present.T)
 
 
 def measured(
@@ -182,9 +189,10 @@ def measured(
     wanted    share of the wander, -1 to 1, to which it moves in each 100 cycles
     """
     drift = (np.clip(bias, -1, 1) * severity * _drift_nm(law, true_nm, period_ms)).astype(np.int64)
-    slipping = _episodes(wanted, len(true_nm), _slip_nm(law, severity)).astype(np.int64)
     run = np.cumsum(np.where(present, true_nm - drift, 0), axis=0)
-    counted = np.maximum.accumulate(np.where(present, np.arange(1, len(true_nm) + 1)[:, None], 0), axis=0)
+    numbers = np.arange(1, len(true_nm) + 1)[:, None]
+    counted = np.maximum.accumulate(np.where(present, numbers, 0), axis=0)
+    slipping = _episodes(wanted, numbers - counted <= _SLIPS_ON, _slip_nm(law, severity)).astype(np.int64)
     told = np.where(present, np.rint((run - slipping) / NM_PER_MM).astype(np.int64), 0)
     before_first = np.vstack([np.zeros((1, told.shape[1]), dtype=np.int64), told])
     told = np.take_along_axis(before_first, counted, axis=0)
@@ -215,13 +223,26 @@ def _drift_nm(law: ErrorFigures, true_nm: NDArray[np.int64], period_ms: int) -> 
     return np.asarray(floor + above * law.rate_ppm, dtype=np.int64)
 
 
-def _episodes(wanted: NDArray[np.float64], cycles: int, most_nm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a wander that at times moves slowly (at most 1/500 of its range in a cycle), and otherwise rests."""
-    path = np.zeros((cycles, wanted.shape[1]))
+def _episodes(
+    wanted: NDArray[np.float64], moving: NDArray[np.bool_], most_nm: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return a wander that at times moves slowly (at most 1/500 of its range in a cycle), and otherwise rests.
+
+    moving  whether it may move in a cycle, array [cycle, run]
+    """
+    path = np.zeros(moving.shape)
     most_change = most_nm / 500
-    for number in range(1, cycles):
-        gap = wanted[number // 100] * most_nm - path[number - 1]
-        path[number] = path[number - 1] + np.minimum(np.maximum(gap, -most_change), most_change)
+    for begin in range(0, len(moving), _EPISODE):
+        block = slice(begin, begin + _EPISODE)
+        before = path[begin - 1] if begin else path[0]
+        goal = wanted[begin // _EPISODE] * most_nm
+        upward = goal >= before
+        steps = np.where(moving[block], np.where(upward, most_change, -most_change), 0.0)
+        if not begin:
+            steps[0] = 0.0
+        steps[0] += before
+        moved = np.add.accumulate(steps, axis=0)
+        path[block] = np.where(upward, np.minimum(moved, goal), np.maximum(moved, goal))
     return path
 
 
@@ -304,11 +325,18 @@ def read_markers(
 
 def _met(places: NDArray[np.int64], start_nm: int, spots_mm: Sequence[float]) -> dict[int, int]:
     """Return the cycles in which a reader passes a place, in order, each with the number of the last place that it passes there."""
+    spots = np.array(spots_mm, dtype=np.float64) * NM_PER_MM
     before = np.concatenate([[start_nm], places[:-1]])
-    low, high = np.minimum(before, places), np.maximum(before, places)
     found: dict[int, int] = {}
-    for number, spot in enumerate(spots_mm):
-        true = spot * NM_PER_MM
+    if (before <= places).all():  # a run that never turns back passes each place once
+        met = (spots > start_nm) & (spots <= places[-1]) if len(places) else np.zeros(len(spots), dtype=np.bool_)
+        for number, cycle in zip(
+            np.flatnonzero(met).tolist(), np.searchsorted(places, spots[met]).tolist(), strict=True
+        ):
+            found[cycle] = number
+        return dict(sorted(found.items()))
+    low, high = np.minimum(before, places), np.maximum(before, places)
+    for number, true in enumerate(spots.tolist()):
         found |= dict.fromkeys(np.flatnonzero((low < true) & (true <= high)).tolist(), number)
     return dict(sorted(found.items()))
 

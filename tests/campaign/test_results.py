@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+import safeloc
 from safeloc.campaign.declaration import parse_campaign
+from safeloc.campaign.regression import NAME, standing_at
 from safeloc.campaign.results_folder import write_results
 from safeloc.campaign.schedule import Where, run_missing
 from safeloc.campaign.shards import run_shard
 from safeloc.campaign.statistics import proportion
 from safeloc.catalogue import load_target
+from safeloc.codegen.batch import compile_batch, simulate
+from safeloc.codegen.batch_lanes import compile_lanes
+from safeloc.language.interpret import run
 from safeloc.proof.verification.replay import read_recording, run_of
+from safeloc.runtime.streams.steps import read_steps
+from safeloc.simulation.many_runs import packed
 from tests.campaign.declared import SKIDDING, SMALL
 from tests.campaign.test_shards import rows
 from tests.cli.calling import Call
+from tests.codegen.c_folder import needs_compiler
+
+ROOT = Path(safeloc.__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +80,55 @@ def test_what_was_found_is_kept_as_streams_that_replay(finished: Path) -> None:
         assert len(stream.steps) <= one["cycle"] + 20
 
 
+def test_a_kept_stream_is_shortened_to_what_matters(finished: Path) -> None:
+    """Readings that do not matter are left out, and what was kept is still shown (the tests around); distances that matter stay."""
+    data = json.loads((finished / "results.json").read_text(encoding="utf-8"))
+    assert all(one["messages_left"] < one["messages"] for one in data["streams"])
+    broken = next(one for one in data["streams"] if one["kind"] == "broken-wrong")
+    steps = read_steps(Path(broken["file"])).steps
+    assert broken["messages_left"] == sum(len(step.keys() - {"run_nm"}) for step in steps)
+    assert any("wheel_mm" in step for step in steps[-25:])
+
+
+def test_the_regression_test_passes_and_fails_as_it_says(finished: Path) -> None:
+    """Near misses stay contained, a wrong interval after a broken law is expected; a stream of another kind is noticed."""
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:randomly",
+        str(finished / "streams" / NAME),
+    ]
+    told = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=finished, env={**os.environ, "PYTHONPATH": str(ROOT)}
+    )
+    assert (0, True) == (told.returncode, "3 passed, 3 xfailed" in told.stdout), told.stdout
+    target = load_target(SKIDDING)
+    data = json.loads((finished / "results.json").read_text(encoding="utf-8"))
+    found = {one["kind"]: standing_at(target, Path(one["file"]), one["cycle"]) for one in data["streams"]}
+    assert {"broken-wrong": "WRONG", "near": "contained"} == found
+
+
+@needs_compiler
+def test_a_kept_stream_replays_alike_in_every_back_end(finished: Path) -> None:
+    """Interpreter, generated Python, numpy and C tell the same in every cycle of every stream."""
+    data, target = json.loads((finished / "results.json").read_text(encoding="utf-8")), load_target(SKIDDING)
+    names = list(target.system.outputs)
+    for one in data["streams"]:
+        stream, _ = read_recording(target, Path(one["file"]))
+        expected = [dict(step.outputs) for step in run(target.system, stream.steps, first=stream.first).steps]
+        quick = [dict(step.outputs) for step in run_of(target.system, Path(one["file"]), stream).steps]
+        inputs = packed(target.system, [stream.steps], len(stream.steps))
+        assert expected == quick
+        for code in (compile_batch(target.system, names), compile_lanes(target.system, names)):
+            kept = simulate(code, inputs, start_state=stream.first).kept
+            assert expected == [{name: kept[name][cycle, 0].item() for name in names} for cycle in range(len(expected))]
+
+
 def test_the_page_shows_every_figure_with_its_interval(finished: Path) -> None:
     """The words of the page; the pictures are beside it."""
     page = (finished / "index.html").read_text(encoding="utf-8")
@@ -75,9 +137,12 @@ def test_the_page_shows_every_figure_with_its_interval(finished: Path) -> None:
         "exact binomial (Clopper-Pearson)",
         "wrong interval",
         "Width along the line",
+        "streams/test_found.py",
     ):
         assert words in page
-    assert {"width.svg", "stanford.svg", "reaction.svg"} <= {path.name for path in finished.iterdir()}
+    assert {"width.svg", "availability.svg", "margins.svg", "stanford.svg", "reaction.svg"} <= {
+        path.name for path in finished.iterdir()
+    }
     assert "misleading" in (finished / "stanford.svg").read_text(encoding="utf-8")
 
 

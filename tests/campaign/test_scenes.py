@@ -85,6 +85,27 @@ def test_localizers_without_a_fault_keep_every_law(journey: str) -> None:
     assert found.told.any(axis=0).all()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("journey", NOMINAL)
+def test_a_silent_odometer_keeps_every_law(journey: str) -> None:
+    """A unit that says nothing says nothing wrong, also with its first distances after a silence of any length."""
+    text = (
+        LOCALIZER.replace("main-line", journey)
+        .replace("spoofing", "odometer silent")
+        .replace("vehicles = 1\n", "vehicles = 16\n")
+    )
+    begin, lasts = ('low = 200, high = 600, unit = "cycles"', 'low = 10, high = 380, unit = "cycles"')
+    text = text.replace('"fixed", value = 800, unit = "cycles"', f'"uniform", {begin}').replace(
+        '"fixed", value = 10, unit = "s"', f'"log-uniform", {lasts}'
+    )
+    campaign = parse_campaign(text.replace("shard_vehicles = 1\n", "shard_vehicles = 16\n"), "c.toml")
+    scene, drawn, runs = drawn_runs(campaign, campaign.shards[0])
+    judge = judge_of(scene.target)
+    found = judge.outcome(runs)
+    assert [name for name, held in zip(judge.clauses, found.held, strict=True) if not held.all()] == []
+    assert max((one.end or 0) - one.begin for (one,) in drawn.faults) > 100
+
+
 @pytest.mark.parametrize("name", ["campaign.toml", "campaign-localizer.toml"])
 def test_the_examples_of_the_documentation_are_accepted(name: str) -> None:
     """Their figures, faults and places exist."""

@@ -26,6 +26,7 @@ from safeloc.errors import InputError
 from safeloc.language.interpret import Program, read_inputs, start, step
 from safeloc.language.system import lower
 from safeloc.own_module import load_module
+from safeloc.simulation.vehicle_seed import VehicleSeed
 from tests.campaign.declared import SKIDDING, SMALL
 
 HERE = Where(in_process=True)
@@ -60,9 +61,9 @@ def test_a_shard_counts_what_the_interpreter_sees() -> None:
 
 def seeds(campaign: Campaign, number: int) -> list[int]:
     """The seeds of a shard's vehicles, drawn as a campaign draws them for a machine that takes nothing else."""
-    shard = campaign.shards[number]
-    rng = np.random.default_rng([campaign.declared.seed, number])
-    return [int(seed) for seed in rng.integers(0, 2**31, shard.end - shard.first)]
+    shard, seed = campaign.shards[number], campaign.declared.seed
+    rngs = [VehicleSeed(seed, (number, vehicle)).rng("simulation") for vehicle in range(shard.end - shard.first)]
+    return [int(rng.integers(0, 2**31)) for rng in rngs]
 
 
 def by_interpreter(seed: int) -> dict[str, int]:
@@ -159,6 +160,23 @@ def test_only_what_is_missing_or_damaged_is_run(tmp_path: Path) -> None:
     assert before[0] == after[0]
     assert [name for name, _ in before.values()] == [name for name, _ in after.values()]
     assert 0 == run_missing(small(), tmp_path, HERE, lambda _: None).ran
+
+
+def test_shards_are_run_in_turn_of_their_strata(tmp_path: Path) -> None:
+    """So that what an interrupted campaign has speaks of all situations: the first shard of each, then the second of each."""
+    again = (
+        SMALL[SMALL.index("[[situations]]") :]
+        .replace("every second one", "each second one")
+        .replace("weight = 1.0", "weight = 0.5")
+    )
+    campaign = parse_campaign(SMALL.replace("weight = 1.0", "weight = 0.5") + again, "c.toml")
+    order = list[int]()
+
+    def note(progress: Progress) -> None:
+        order.extend(file.number for file in shard_files(tmp_path) if file.number not in order and progress.ran)
+
+    run_missing(campaign, tmp_path, HERE, note)
+    assert [0, 3, 1, 4, 2, 5] == order
 
 
 def test_a_shard_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

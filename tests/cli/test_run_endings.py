@@ -53,6 +53,39 @@ def test_what_is_no_file(
     assert not Path("fifo.lock").exists()
 
 
+FROM = ("--from", "mqtt://localhost/fleet")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((*FROM,), "--snapshot FOLDER is needed with a broker: records are acknowledged when they are saved"),
+        ((*FROM, "--snapshot", "one"), "one: no folder; with a broker each partition has its own snapshot in a folder"),
+        ((*FROM, "--snapshot", "new", "--to", "file:out"), "--to 'file:out': with a broker, reports go back to it"),
+        (
+            (*FROM, "--snapshot", "new", "--fresh"),
+            "--fresh is not for a broker: stop all processes and give them a new folder",
+        ),
+        ((*FROM, "--snapshot", "new", "--until-end"), "--until-end is for --from file:PATH"),
+        ((*FROM, "--snapshot", "new", "--broker", "none"), "none: no such file"),
+        ((*FROM, "--snapshot", "new", "--broker", "one"), "one: user: Input should be a valid string"),
+        (("--from", "mqtt://broker.example/fleet", "--snapshot", "new"), "without TLS only loopback is allowed"),
+        (("--from", "file:one", "--broker", "one"), "--broker is for --from mqtt://... or mqtts://..."),
+    ],
+)
+def test_options_that_mean_nothing_with_a_broker(
+    tmp_path: Path, arguments: tuple[str, ...], told: str, monkeypatch: pytest.MonkeyPatch, call: Call
+) -> None:
+    """Each is refused in words before anything is sent, and no folder is made."""
+    monkeypatch.chdir(tmp_path)
+    Path("one").write_text("user = 3", encoding="utf-8")
+    done = call("run", "odometry", *arguments)
+    assert done.code == 2
+    assert told in " ".join(done.err.replace("│", " ").split())
+    assert "Traceback" not in done.err
+    assert [path.name for path in tmp_path.iterdir()] == ["one"]
+
+
 def test_a_standard_output_that_is_full(tmp_path: Path) -> None:
     """As of a disk: exit code 2."""
     with Path("/dev/full").open("wb") as full, running(tmp_path, stdin=subprocess.PIPE, stdout=full) as run:

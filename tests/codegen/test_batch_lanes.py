@@ -211,6 +211,19 @@ def test_arrays_of_other_layouts_are_read_as_they_are(tmp_path: Path) -> None:
         assert (layout == plain).all()
 
 
+def test_rows_that_are_one_row_in_memory_are_read_again_in_every_step(tmp_path: Path) -> None:
+    """An input that is the same in all cycles need not be written out for each; one out of range is refused all the same."""
+    batch, row = compiled(ODOMETER, tmp_path), np.arange(10)[None, :]
+    for moved in (row % 4 == 0, np.ones((1, 10), dtype=np.bool_)):
+        long = [np.repeat(one, 6, axis=0) for one in (row, moved)]
+        once = [np.broadcast_to(one, (6, 10)) for one in (row, moved)]
+        assert [array.strides[0] for array in once] == [0, 0]
+        expected, found = (simulate(batch, odometer_like(*some)) for some in (long, once))
+        assert all(np.array_equal(values, found.kept[name]) for name, values in expected.kept.items())
+    with pytest.raises(InputError, match=r"input 'movement' at step 0, run 9 is 9999999, outside"):
+        simulate(batch, odometer_like(np.broadcast_to(np.where(row == 9, 9_999_999, row), (6, 10)), once[1]))
+
+
 def test_bytes_that_are_neither_0_nor_1_are_true(tmp_path: Path) -> None:
     """A flag of 2, as other programs may write it, is taken for true by lanes as by numpy."""
     flags = np.array([[0, 1, 2, 255, 0, 4, 0, 128, 0, 1]], dtype=np.uint8).view(np.bool_)

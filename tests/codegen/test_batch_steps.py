@@ -65,6 +65,16 @@ def test_inputs_that_follow_from_outputs(runs: int) -> None:
     assert any(row["great"].any() for row in told)
 
 
+def test_all_steps_at_once_tell_what_each_step_tells(runs: int) -> None:
+    """Where no input follows from what was told, the steps need not be taken one by one."""
+    code, given = counting(), np.random.default_rng(1).integers(0, 101, (40, runs))
+    under_way, found = code.begin({"given": given}), code.through({"given": given})
+    for step in range(len(given)):
+        under_way.step(step)
+        assert all(np.array_equal(values, found[name][step]) for name, values in under_way.told.items())
+    assert found["great"].any()
+
+
 @pytest.mark.parametrize(
     ("inputs", "says"),
     [

@@ -160,7 +160,7 @@ def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.M
     monkeypatch.setattr(front_ends, "SPOOFED_MM", 300)
     told = run(replace(NOMINAL["freight"], troubles=[Fault("spoofing", "", 800, 1_400)]))
     often = told.fired["arbitration: sources contradict each other"]
-    assert often == 6
+    assert often == 3
     named = [
         (out, {out["arbitration.contradicting_first"], out["arbitration.contradicting_second"]})
         for one, out in pairwise(told.outputs)

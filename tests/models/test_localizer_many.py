@@ -13,14 +13,17 @@ from safeloc.language.system import TransitionSystem
 from safeloc.models.localizer import LocalizerConfig, compose_machines
 from safeloc.models.localizer.simulation.journey import Journey, Vehicles
 from safeloc.models.localizer.simulation.journeys import CASES, NOMINAL
-from safeloc.models.localizer.simulation.many import LocalizerJourneys
+from safeloc.models.localizer.simulation.many import ACCELERATION, STANDS, TOP, LocalizerJourneys
 from safeloc.models.localizer.simulation.simulate import with_truth
 from safeloc.models.localizer.simulation.sources import Fleet
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import Drawn, packed
 from safeloc.simulation.motion import Leg
+from safeloc.simulation.vehicle_seed import VehicleSeed
 from tests.codegen.c_folder import needs_compiler
 
+STANDARD = {TOP: np.ones(4), ACCELERATION: np.ones(4), STANDS: np.zeros(4)}
+"""Figures of vehicles that drive as their journey says."""
 SHORT = [Leg(0, 2), Leg(20_000, 38)]
 WITHOUT_MACHINES = LocalizerConfig(sources=("odometry", "satellite", "fibre"))
 """Sources of which none has a machine that is stepped along."""
@@ -35,10 +38,13 @@ def system(config: LocalizerConfig) -> TransitionSystem:
 def differing(config: LocalizerConfig, journeys: Sequence[Journey]) -> list[str]:
     """Inputs of vehicles, simulated at once, in which one of them is not what it is alone; the seeds are those of their places."""
     seeds = list(range(3, 3 + len(journeys)))
-    found = Fleet(Vehicles(config, journeys, seeds), system(config), None).inputs()
+    found = Fleet(Vehicles(config, journeys, [VehicleSeed(seed) for seed in seeds]), system(config), None).inputs()
     streams = [with_truth(config, one, seed=seed) for one, seed in zip(journeys, seeds, strict=True)]
     expected = packed(system(config), streams, len(streams[0]))
     assert expected.keys() == found.keys()
+    assert len({tuple(column) for column in found["true_cycle_distance_nm"].T}) == len(
+        {one.legs[-1] for one in journeys}
+    )
     return [name for name, values in found.items() if not np.array_equal(values, expected[name])]
 
 
@@ -53,6 +59,7 @@ def test_satellites_fibre_and_odometry_of_many() -> None:
     )  # fmt: skip
     journeys = [replace(nominal, troubles=own) for own in troubles]
     journeys[2] = replace(journeys[2], satellites=3)
+    journeys = [replace(one, legs=[*SHORT[:1], Leg(12_000 - 900 * number, 38)]) for number, one in enumerate(journeys)]
     assert differing(WITHOUT_MACHINES, journeys) == []
 
 
@@ -65,7 +72,12 @@ def test_all_sources_of_many(name: str) -> None:
     of_route = ("other branch taken", "linking not replaced")
     cases = [one.trouble for one in CASES if one.journey == name and one.trouble.kind not in of_route]
     assert len(cases) >= 8
-    assert differing(config, [replace(nominal, troubles=[one]) for one in cases]) == []
+    stop = nominal.legs[-1].seconds
+    legs = [[*nominal.legs[:-1], Leg(500 * number, stop)] for number in range(len(cases))]
+    assert (
+        differing(config, [replace(nominal, troubles=[one], legs=own) for one, own in zip(cases, legs, strict=True)])
+        == []
+    )
 
 
 @pytest.mark.thorough
@@ -74,14 +86,20 @@ def test_vehicles_on_other_branches_keep_their_places() -> None:
     config = LocalizerConfig()
     kinds = ("other branch taken", "", "linking not replaced", "")
     faults = [[Fault(kind)] if kind else [] for kind in kinds]
-    drawn = Drawn(4, {"satellites": np.full(4, 16.0)}, faults)
-    runs = LocalizerJourneys(config, system(config), "freight").runs(drawn, 1_000, np.random.default_rng(1))
-    seeds = np.random.default_rng(1).integers(0, 2**31, 4).tolist()
-    journey = replace(NOMINAL["freight"], legs=[Leg(0, 2), Leg(22_000, 98)])
-    streams = [
-        with_truth(config, replace(journey, troubles=own), seed=seed) for own, seed in zip(faults, seeds, strict=True)
+    seeds = [VehicleSeed(9, (number,)) for number in range(4)]
+    shares = np.array([1.0, 0.9, 0.8, 0.7])
+    drawn = Drawn(4, {**STANDARD, "satellites": np.full(4, 16.0), TOP: shares}, faults, seeds)
+    runs = LocalizerJourneys(config, system(config), "freight").runs(drawn, 1_000)
+    journey = NOMINAL["freight"]
+    journeys = [
+        replace(journey, legs=[Leg(0, 2), Leg(round(22_000 * share), 98)], troubles=own)
+        for share, own in zip(shares.tolist(), faults, strict=True)
     ]
-    expected = packed(system(config), streams, 1_000)
+    alone = [
+        Fleet(Vehicles(config, [one], [seed]), system(config), None).inputs()
+        for one, seed in zip(journeys, seeds, strict=True)
+    ]
+    expected = {name: np.concatenate([one[name] for one in alone], axis=1) for name in runs.inputs}
     assert [name for name, values in runs.inputs.items() if not np.array_equal(values, expected[name])] == []
     read = runs.inputs["balise.telegram_group"].max(axis=0)
     assert read[0] > 100
@@ -93,7 +111,7 @@ def test_a_reading_that_a_fault_does_not_meet_stays_as_it_is() -> None:
     journey = replace(NOMINAL["main-line"], legs=SHORT, markers=NOMINAL["metro"].markers)
     struck = replace(journey, troubles=[Fault("marker misplaced", "", 0, 3)])
     found = [
-        Fleet(Vehicles(WITHOUT_MACHINES, [one], [3]), system(WITHOUT_MACHINES), None).inputs()
+        Fleet(Vehicles(WITHOUT_MACHINES, [one], [VehicleSeed(3)]), system(WITHOUT_MACHINES), None).inputs()
         for one in (journey, struck)
     ]
     assert all(np.array_equal(values, found[1][name]) for name, values in found[0].items())
@@ -103,8 +121,26 @@ def test_a_reading_that_a_fault_does_not_meet_stays_as_it_is() -> None:
 def test_a_vehicle_whose_journey_ends_stands_there() -> None:
     """A campaign has one number of cycles, also for the shortest of its journeys."""
     journeys = LocalizerJourneys(WITHOUT_MACHINES, system(WITHOUT_MACHINES), "metro")
-    drawn = Drawn(1, {"satellites": np.zeros(1)}, [[]])
-    step = journeys.runs(drawn, 1_000, np.random.default_rng(1)).inputs["true_cycle_distance_nm"]
+    drawn = Drawn(1, {**STANDARD, "satellites": np.zeros(1)}, [[]], [VehicleSeed(1)])
+    step = journeys.runs(drawn, 1_000).inputs["true_cycle_distance_nm"]
     assert step.shape == (1_000, 1)
     assert step[300] > 1_000_000
     assert not step[900:].any()
+
+
+def test_figures_of_the_motion_make_every_vehicle_another_run() -> None:
+    """Speed, acceleration and the time for which it stands are drawn for each; the journey's own ones are the defaults."""
+    journeys = LocalizerJourneys(WITHOUT_MACHINES, system(WITHOUT_MACHINES), "metro")
+    figures = {
+        TOP: np.array([1.0, 0.5, 1.0, 1.0]),
+        ACCELERATION: np.array([1.0, 1.0, 0.5, 1.0]),
+        STANDS: np.array([0, 0, 0, 50.0]),
+    }
+    drawn = Drawn(
+        4, {**figures, "satellites": np.zeros(4)}, [[]] * 4, [VehicleSeed(1, (number,)) for number in range(4)]
+    )
+    step = journeys.runs(drawn, 400).inputs["true_cycle_distance_nm"]
+    assert [1_500, 750, 1_324, 1_500] == [round(most / 1e6) for most in step.max(axis=0).tolist()]
+    assert [20, 20, 20, 70] == (step > 0).argmax(axis=0).tolist()
+    assert step[60, 2] < step[60, 0]
+    assert all(journeys.figures[name].default == (name != STANDS) for name in figures)

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import re
 
-from safeloc.report.campaign_pictures import stanford_of_cells, times_until_silent, width_along_line, with_style
+import pytest
+
+from safeloc.report.campaign_pictures import (
+    availability_along_line,
+    margins_of_situations,
+    stanford_of_cells,
+    times_until_silent,
+    width_along_line,
+    with_style,
+)
 
 
 def test_cells_keep_their_standing() -> None:
@@ -42,3 +51,26 @@ def test_widths_are_drawn_where_something_is_reported() -> None:
     assert 2 == drawn.count('class="width"')
     assert "<style>" in with_style(drawn)
     assert width_along_line({"a": [(1, 10, 0, 0, 0)]}, 50_000, "w") == ""
+
+
+def test_availability_falls_where_nothing_is_reported() -> None:
+    """Stretches without a report are drawn too, at 0."""
+    drawn = availability_along_line(
+        {"a": [(0, 10, 10, 4_000, 6_000), (1, 10, 0, 0, 0), (2, 10, 5, 5_000, 9_000)]}, 50_000, "w"
+    )
+    [path] = re.findall(r'<path d="M([^"]*)" fill="none"[^>]*class="availability"', drawn)
+    full, none, half = (float(point.split()[1]) for point in path.split("L"))
+    assert full < half < none
+    assert half == pytest.approx((full + none) / 2, abs=0.11)
+    assert availability_along_line({"a": []}, 50_000, "w") == ""
+
+
+def test_margins_stand_left_of_the_truth_where_an_interval_misses_it() -> None:
+    """A row for each situation with a report; one with a wrong interval crosses the line at 0."""
+    drawn = margins_of_situations({"a": [500, 700, 900, 4_000], "b": [-2_000, 10, 20, 30], "never reports": []}, "m")
+    assert "never reports" not in drawn
+    zero = float(re.findall(r'<path d="M([\d.]+) [^"]*"[^>]*class="truth"', drawn)[0])
+    begins = [float(x) for x in re.findall(r'<path d="M([\d.]+) [^"]*" fill="none"[^>]*class="margin"', drawn)]
+    assert [begin < zero for begin in begins] == [False, True]
+    assert 8 == drawn.count('class="quantile"')
+    assert margins_of_situations({"a": []}, "m") == ""

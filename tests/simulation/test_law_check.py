@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from safeloc.errors import InputError
+from safeloc.language.units import NM_PER_MM
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.law_check import Breach, first_breach
@@ -65,6 +66,17 @@ def test_a_drop_out_is_no_breach_but_an_absence() -> None:
         faults=[Fault("drop-out", "wheel", 5, 9)],
     )
     assert np.flatnonzero(~unit.present).tolist() == [5, 6, 7, 8]
+
+
+@pytest.mark.parametrize("silent", [8, 40, 300])
+def test_a_long_silence_is_followed_by_a_distance_that_can_be_run(silent: int) -> None:
+    """No slip comes at once that gathered while the unit was silent: a vehicle cannot have run such a distance, and the law would break."""
+    for seed in range(20):
+        fault = Fault("drop-out", "wheel", 150, 150 + silent)
+        unit = measure("wheel", RUNNING, WHEEL, np.random.default_rng(seed), faults=[fault])
+        assert first_breach(RUNNING, WHEEL, unit) is None
+        moved = np.abs(np.diff(unit.wander_nm))[150 + silent - 1]
+        assert moved <= WHEEL.constant_mm * NM_PER_MM // 250
 
 
 def test_one_nanometre_too_much_is_a_breach() -> None:

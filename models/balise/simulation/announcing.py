@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -26,27 +27,28 @@ class RouteSet:
 
 
 class Announcing:
-    """The maps of vehicles for which the same routes are set in the same cycles; `routes` has the first one in cycle 0."""
+    """The maps of vehicles, each with its routes by the cycles in which they are set; the first one in cycle 0."""
 
-    def __init__(self, config: BaliseConfig, routes: Mapping[int, Sequence[Group]], vehicles: int) -> None:
-        self._config, self._routes = config, routes
-        self._announced_mm = np.full(vehicles, _NOTHING)
-        self._replaces = np.zeros(vehicles, dtype=np.bool_)
-        self._set_route(routes[0])
-
-    def _set_route(self, groups: Sequence[Group]) -> None:
-        self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
-        self._places_mm = np.array([group.place_mm for group in self._groups], dtype=np.int64)
-        self._announced_mm[:] = _NOTHING
+    def __init__(self, config: BaliseConfig, routes: Sequence[Mapping[int, Sequence[Group]]]) -> None:
+        self._config = config
+        self._ahead: list[_Ahead] = [_Ahead(())] * len(routes)
+        self._set: dict[int, list[tuple[int, _Ahead]]] = {}
+        known: dict[int, _Ahead] = {}
+        for vehicle, own in enumerate(routes):
+            for cycle, groups in own.items():
+                ahead = known.setdefault(id(groups), _Ahead(groups))
+                self._set.setdefault(cycle, []).append((vehicle, ahead))
+        self._announced_mm = np.full(len(routes), _NOTHING)
+        self._replaces = np.zeros(len(routes), dtype=np.bool_)
 
     def announced(self, cycle: int, told: Mapping[str, Array]) -> Iterator[tuple[int, Mapping[str, Cell]]]:
         """Yield each vehicle that is told something in a cycle, with its inputs: the next group ahead of what was announced before.
 
         told  outputs `ASKED` of the machines after the cycle before, array [vehicle] each
         """
-        if cycle and cycle in self._routes:
-            self._set_route(self._routes[cycle])
-            self._replaces[:] = True
+        for vehicle, ahead in self._set.get(cycle, ()):
+            self._ahead[vehicle], self._announced_mm[vehicle] = ahead, _NOTHING
+            self._replaces[vehicle] = cycle > 0
         valid = told["valid"]
         self._announced_mm[~valid] = _NOTHING
         replaces = self._replaces & valid
@@ -61,12 +63,23 @@ class Announcing:
         here = told["position_mm"][asking] + told["margin_above_mm"][asking] - self._config.antenna_mm
         before = self._announced_mm[asking]
         beyond = np.where(before == _NOTHING, here, before)
-        for vehicle, number in zip(
-            asking.tolist(), np.searchsorted(self._places_mm, beyond, side="right"), strict=True
-        ):
-            if number < len(self._groups):
-                group = self._groups[number]
+        for vehicle, place_mm in zip(asking.tolist(), beyond.tolist(), strict=True):
+            group = self._ahead[vehicle].first_beyond(place_mm)
+            if group is not None:
                 self._announced_mm[vehicle] = group.place_mm
                 yield vehicle, announcement(group, order="REPLACE" if replaces[vehicle] else "ADD")
             elif replaces[vehicle]:
                 yield vehicle, {"linking_order": "WITHDRAW"}
+
+
+class _Ahead:
+    """The linked groups of a route, in order of place."""
+
+    def __init__(self, groups: Sequence[Group]) -> None:
+        self._groups = sorted((group for group in groups if group.linked), key=lambda group: group.place_mm)
+        self._places_mm = [group.place_mm for group in self._groups]
+
+    def first_beyond(self, place_mm: int) -> Group | None:
+        """Return the first group beyond a place."""
+        number = bisect_right(self._places_mm, place_mm)
+        return self._groups[number] if number < len(self._groups) else None

@@ -29,14 +29,14 @@ from safeloc.simulation.sensors import Distances
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Data that the vehicles have in common: the groups that they pass, and those that the map announces from a cycle on.
+    """Data of the vehicles' line: the groups that they pass, and for each vehicle those that the map announces from a cycle on.
 
     national_mm  location accuracy received in the first cycle; None: the default applies
     libraries    folder for compiled machines; None: a temporary one
     """
 
     groups: Sequence[Group]
-    announced: Mapping[int, Sequence[Group]]
+    announced: Sequence[Mapping[int, Sequence[Group]]]
     national_mm: int | None
     libraries: Path | None = None
 
@@ -74,9 +74,9 @@ def simulate_many(
     inputs = _of_odometers(config, _with_world(made), motions, distances)
     writer = Writer(_with_world(made), inputs)
     national = config.default_accuracy_mm if line.national_mm is None else line.national_mm
-    placed = {cycle: frozenset(group.identity for group in groups) for cycle, groups in line.announced.items()}
     telegrams = []
-    for run, (motion, antenna) in enumerate(zip(motions, antennas, strict=True)):
+    for run, (motion, antenna, routes) in enumerate(zip(motions, antennas, line.announced, strict=True)):
+        placed = {cycle: frozenset(group.identity for group in groups) for cycle, groups in routes.items()}
         met = passages(config, line.groups, national, motion, antenna)
         read = Reading(config, motion, distances.wander_nm[:, run], placed, antenna).telegrams(met)
         for cycle, one in read.items():
@@ -111,7 +111,7 @@ def _announced(
     """Run the machines on board; write what the map announces into the inputs, and return it for each vehicle by cycles."""
     own = {var.name: inputs[var.name] for var in code.system.inputs}
     cycles, vehicles = own["odometer_mm"].shape
-    runs, maps = code.begin(through_border(code.system, own)[0]), Announcing(config, line.announced, vehicles)
+    runs, maps = code.begin(through_border(code.system, own)[0]), Announcing(config, line.announced)
     found: list[dict[int, Mapping[str, Cell]]] = [{} for _ in range(vehicles)]
     for cycle in range(cycles):
         for run, cells in maps.announced(cycle, runs.told):

@@ -83,13 +83,22 @@ def passages(
     after = motion.position_nm
     before = np.concatenate([[motion.start_nm], after[:-1]])
     found = []
-    for cycle, number in np.argwhere((before[:, None] < front) & (front <= after[:, None])):
+    for cycle, number in _met(before, after, front):
         spot, begin, end = spots[number], int(before[cycle]), int(after[cycle])
         share = (spot.front_nm - begin) / (end - begin)
         lost = not spot.fault and antenna.rng.random() < antenna.missed
         time_ms = (int(cycle) + share) * config.period_ms
         found.append(replace(spot, time_ms=time_ms, fault="missed" if lost else spot.fault))
     return found
+
+
+def _met(before: NDArray[np.int64], after: NDArray[np.int64], front: NDArray[np.int64]) -> Sequence[tuple[int, int]]:
+    """Return the cycles, from `before` to `after`, in which the front end passes its places, each with the number of the place."""
+    if (before <= after).all():  # a run that never turns back passes each place once
+        met = np.flatnonzero((front > before[0]) & (front <= after[-1]))
+        return sorted(zip(np.searchsorted(after, front[met]).tolist(), met.tolist(), strict=True))
+    passed = np.argwhere((before[:, None] < front) & (front <= after[:, None]))
+    return [(int(cycle), int(number)) for cycle, number in passed]
 
 
 def _spots(config: BaliseConfig, groups: Sequence[Group], national_mm: int, antenna: Antenna) -> list[Passage]:

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from safeloc.language.expr import NumVar
 from safeloc.language.system import TransitionSystem, canonical
+from safeloc.language.units import Enumeration
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.many_runs import Array
 
@@ -17,41 +19,46 @@ class Column:
     """Values of an input: array [cycle, vehicle], or one that spreads to it.
 
     present  where the input is present; None: everywhere
-    labels   of an enumeration, whose numbers the values are
     """
 
     values: Array | int | bool
     present: Array | None = None
-    labels: tuple[str, ...] = ()
 
 
 Columns = Mapping[str, Column]
-"""Columns by the names of the inputs, in the order in which a step has them."""
+"""Columns by the names of the inputs."""
 
 
-def steps_of(columns: Columns, shape: tuple[int, int], vehicle: int) -> list[dict[str, Cell]]:
-    """Return the steps of one vehicle."""
-    lists = [
-        (name, _listed(one.values, shape, vehicle), None if one.present is None else _listed(one.present, shape, vehicle), one.labels)
-        for name, one in columns.items()
-    ]  # fmt: skip
+def steps_of(system: TransitionSystem, inputs: Mapping[str, Array], vehicle: int) -> list[dict[str, Cell]]:
+    """Return the steps of one vehicle from the arrays of a system's inputs, without absent inputs; enumerations by their labels."""
+    flags = {option.value.name: option.present.name for option in system.optionals}
+    hidden = set(flags.values())
+    lists = {name: values[:, vehicle].tolist() for name, values in inputs.items()}
+    labels = {
+        var.name: var.unit.members
+        for var in system.inputs
+        if isinstance(var, NumVar) and isinstance(var.unit, Enumeration)
+    }
+    shown = [
+        (name, values, lists.get(flags.get(name, "")), labels.get(name))
+        for name, values in lists.items()
+        if name not in hidden
+    ]
     return [
         {
-            name: labels[values[cycle]] if labels else values[cycle]
-            for name, values, present, labels in lists
+            name: labelled[values[cycle]] if labelled else values[cycle]
+            for name, values, present, labelled in shown
             if present is None or present[cycle]
         }
-        for cycle in range(shape[0])
+        for cycle in range(len(next(iter(lists.values()))))
     ]
 
 
-def _listed(values: Array | int | bool, shape: tuple[int, int], vehicle: int) -> list[int]:
-    found: list[int] = np.broadcast_to(np.asarray(values), shape)[:, vehicle].tolist()
-    return found
-
-
 def arrays_of(columns: Columns, system: TransitionSystem, shape: tuple[int, int]) -> dict[str, Array]:
-    """Return the columns that are inputs of a system as its arrays; an absent value is written as the system wants it."""
+    """Return the columns that are inputs of a system as its arrays; an absent value is written as the system wants it.
+
+    What is the same in all cycles stands in memory once (`numpy.broadcast_to`).
+    """
     absent = {option.value.name: canonical(option.value) for option in system.optionals}
     known = {var.name for var in system.inputs}
     found: dict[str, Array] = {}
@@ -66,4 +73,8 @@ def arrays_of(columns: Columns, system: TransitionSystem, shape: tuple[int, int]
 
 
 def _spread(values: Array | int | bool, shape: tuple[int, int]) -> Array:
-    return np.ascontiguousarray(np.broadcast_to(np.asarray(values), shape))
+    found = np.asarray(values)
+    if found.ndim == 0 or len(found) == 1:
+        row = np.ascontiguousarray(np.broadcast_to(found.reshape(-1), shape[1:]))
+        return np.broadcast_to(row, shape)
+    return np.ascontiguousarray(np.broadcast_to(found, shape))

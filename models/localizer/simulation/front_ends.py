@@ -16,15 +16,13 @@ from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM
 from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
 from safeloc.models.motion.simulate import Measured
 from safeloc.models.verification.variables import FROM
-from safeloc.simulation.many_runs import Array
 
 _SENDERS = tuple(one.label for one in FROM)
 
 
 def common(vehicles: Vehicles, measured: Measured) -> Columns:
     """Return the true step and place, and the distances that all sources share."""
-    motion = vehicles.motion
-    columns = {"true_cycle_distance_nm": Column(_cycles(motion.distance_nm)), "truth_mm": Column(_truths_mm(vehicles))}
+    columns = {"true_cycle_distance_nm": Column(vehicles.motions.distance_nm)}
     for name, unit in (("motion.odometer_mm", measured.odometer), ("motion.check_mm", measured.check)):
         if unit is not None:
             columns[name] = Column(unit.distance_mm, unit.present)
@@ -34,13 +32,8 @@ def common(vehicles: Vehicles, measured: Measured) -> Columns:
     return columns
 
 
-def _cycles(values: Array) -> Array:
-    """Return values of the cycles for all vehicles."""
-    return values[:, None]
-
-
 def _truths_mm(vehicles: Vehicles) -> NDArray[np.int64]:
-    return np.asarray(_cycles(vehicles.motion.position_nm // NM_PER_MM), dtype=np.int64)
+    return np.asarray(vehicles.motions.position_nm // NM_PER_MM, dtype=np.int64)
 
 
 def links(vehicles: Vehicles) -> Columns:
@@ -61,14 +54,14 @@ def links(vehicles: Vehicles) -> Columns:
 def satellite(vehicles: Vehicles) -> Columns:
     """Return the output of the satellites' front ends."""
     config, truth = vehicles.config.satellite.selection, _truths_mm(vehicles)
-    undecided = np.array([[vehicles.first.undecided(int(place))] for place in truth[:, 0]], dtype=np.bool_)
+    undecided = vehicles.first.undecided(truth)
     dark = _within(vehicles.first.dark, truth) | vehicles.acting("satellites lost")
     received = _in_a_row(~(dark | undecided))
     missing = np.where(undecided, TWO_PORTIONS, NO_EPOCH)
     sky = Sky(vehicles.satellites, received, vehicles.acting("multipath"), missing)
-    drawn = noise(config, received, [np.random.default_rng(seed + 1) for seed in vehicles.seeds])
+    drawn = noise(config, sky, vehicles.rngs("satellite signals"), vehicles.rngs("satellite solution"))
     spoofed = truth + np.cumsum(SPOOFED_MM * vehicles.acting("spoofing"), axis=0)
-    speed = _cycles(speeds_um_s(vehicles.motion)[1:])
+    speed = speeds_um_s(vehicles.motions)[1:]
     columns = signals(config, sky, drawn) | solution(config, sky, drawn, spoofed, speed)
     return columns | {"position.next_speed_um_s": Column(speed)}
 
@@ -93,11 +86,11 @@ def _in_a_row(flags: NDArray[np.bool_]) -> NDArray[np.int64]:
 def fibre(vehicles: Vehicles) -> Columns:
     """Return the output of the fibre's front ends, and of the axle counters at the area's border."""
     journey, front = vehicles.first, _truths_mm(vehicles)
-    speed = _cycles(vehicles.motion.speed_mm_s.astype(np.int64))
+    speed = vehicles.motions.speed_mm_s.astype(np.int64)
     inside = _within([] if journey.fibre is None else [journey.fibre], front)
     if journey.astray is not None:
         inside &= front < journey.astray.switch_mm
-    before = np.vstack([np.zeros((1, 1), dtype=np.bool_), inside[:-1]])
+    before = np.vstack([np.zeros_like(inside[:1]), inside[:-1]])
     columns = _record(vehicles, front, speed, inside & ~before)
     columns |= {
         "next_true_axles": Column(journey.axles),
@@ -116,7 +109,7 @@ def _record(
     sender = np.where(due, _SENDERS.index("AXLE_COUNTER"), _SENDERS.index("NOBODY"))
     return {
         "reference_due": Column(due),
-        "reference_from": Column(sender, labels=_SENDERS),
+        "reference_from": Column(sender),
         "record_sound": Column(True),
         "record_axles": Column(journey.axles + 2 * vehicles.having("fibre miscount")),
         "record_length_low_mm": Column(journey.length_mm - 2_000),
@@ -134,7 +127,7 @@ def _pattern(
 ) -> dict[str, Column]:
     """Return the features that the fibre determines in a block, every fifth cycle; nothing between them."""
     located = inside & (np.arange(len(front))[:, None] % BLOCK_CYCLES == 0)
-    off_mm, faster_mm_s, longer_mm = _drawn(vehicles, np.flatnonzero(located))
+    off_mm, faster_mm_s, longer_mm = _drawn(vehicles, located)
     return {
         "associated": Column(located),
         "fibre_located": Column(located),
@@ -150,13 +143,13 @@ def _pattern(
     }
 
 
-def _drawn(vehicles: Vehicles, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
+def _drawn(vehicles: Vehicles, located: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Return the errors of place, speed and length in these cycles: array [3, cycle, vehicle]."""
     found = np.zeros((3, *vehicles.shape), dtype=np.int64)
     most = vehicles.config.fibre.length_tolerance_mm
-    for vehicle, seed in enumerate(vehicles.seeds):
-        rng = np.random.default_rng(seed + 2)
-        for cycle in cycles.tolist():
-            place, speed = int(rng.integers(-8_000, 8_000)), int(rng.integers(-300, 300))
-            found[:, cycle, vehicle] = place, speed, int(rng.uniform(-0.4, 0.4) * most)
+    for vehicle, rng in enumerate(vehicles.rngs("fibre")):
+        cycles = np.flatnonzero(located[:, vehicle])
+        found[0, cycles, vehicle] = rng.integers(-8_000, 8_000, len(cycles))
+        found[1, cycles, vehicle] = rng.integers(-300, 300, len(cycles))
+        found[2, cycles, vehicle] = (rng.uniform(-0.4, 0.4, len(cycles)) * most).astype(np.int64)
     return found

@@ -1,4 +1,4 @@
-"""A vehicle's journey: its run, its line and the faults on it; and vehicles that travel alike."""
+"""A vehicle's journey: its run, its line and the faults on it; and vehicles on one journey."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group
-from safeloc.models.balise.simulate import RouteSet
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.junction import Junction
 from safeloc.models.reflector import simulate as reflector_streams
 from safeloc.simulation.faults import Fault, Kinds, plain
-from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
+from safeloc.simulation.motion import Leg, Motion, Motions, VehicleConfig, move_many
+from safeloc.simulation.vehicle_seed import VehicleSeed
 
 KINDS = Kinds(
     "a journey",
@@ -105,36 +105,49 @@ class Journey:
         stale = any(one.kind == "linking not replaced" for one in self.troubles)
         return self.junction.branched(self.groups) if stale and self.junction else list(self.groups)
 
-    def undecided(self, place_mm: int) -> bool:
-        """Return whether either branch is possible at a place, so that no satellite signal can be predicted."""
-        return self.junction is not None and self.junction.undecided(place_mm, self.passed, self.announced)
+    def undecided(self, places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return at which places either branch is possible, so that no satellite signal can be predicted."""
+        if self.junction is None:
+            return np.zeros(places_mm.shape, dtype=np.bool_)
+        return self.junction.undecided(places_mm, self.passed, self.announced)
+
+
+def motions_of(config: LocalizerConfig, journeys: Sequence[Journey]) -> Motions:
+    """Return the vehicles' runs, which begin at place 0; all journeys must take the same number of cycles."""
+    vehicles = [
+        VehicleConfig(
+            max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9), acceleration_mm_s2=one.acceleration_mm_s2,
+            brake_mm_s2=one.acceleration_mm_s2, length_mm=one.length_mm,
+        )
+        for one in journeys
+    ]  # fmt: skip
+    return move_many(vehicles, [one.legs for one in journeys], config.motion.period_ms)
 
 
 def motion_of(config: LocalizerConfig, journey: Journey) -> Motion:
     """Return the vehicle's run, which begins at place 0."""
-    vehicle = VehicleConfig(
-        max_speed_mm_s=int(config.motion.max_speed_mm_s * 0.9), acceleration_mm_s2=journey.acceleration_mm_s2,
-        brake_mm_s2=journey.acceleration_mm_s2, length_mm=journey.length_mm,
-    )  # fmt: skip
-    return move(vehicle, journey.legs, config.motion.period_ms)
+    return motions_of(config, [journey]).of(0)
 
 
-def speeds_um_s(motion: Motion) -> NDArray[np.int64]:
-    """Return the speed at the end of each cycle, the initial one first: the mean over the cycles before and after."""
-    step = np.concatenate([motion.distance_nm[:1], motion.distance_nm, motion.distance_nm[-1:]])
-    return np.asarray((step[:-1] + step[1:]) // (2 * motion.period_ms), dtype=np.int64)
+def speeds_um_s(motions: Motions) -> NDArray[np.int64]:
+    """Return the speed at the end of each cycle, the initial one first, array [1 + cycle, vehicle]: the mean over the cycles before and
+    after.
+    """
+    distance = motions.distance_nm
+    step = np.concatenate([distance[:1], distance, distance[-1:]])
+    return np.asarray((step[:-1] + step[1:]) // (2 * motions.period_ms), dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
 class Vehicles:
-    """Vehicles whose journeys differ in satellites, times and groups of faults only, each with its seed.
+    """Vehicles on one journey, each with its motion, satellites, times and groups of faults, and the seed of its sensors.
 
-    They share motion, groups and linking, so either all of them go astray, or miss the change of linking, or none.
+    They share line and train, and the branch taken: either all of them go astray, or miss the change of linking, or none.
     """
 
     config: LocalizerConfig
     journeys: Sequence[Journey]
-    seeds: Sequence[int]
+    seeds: Sequence[VehicleSeed]
 
     @property
     def first(self) -> Journey:
@@ -142,14 +155,18 @@ class Vehicles:
         return self.journeys[0]
 
     @cached_property
-    def motion(self) -> Motion:
-        """The run of all of them."""
-        return motion_of(self.config, self.first)
+    def motions(self) -> Motions:
+        """The run of each of them."""
+        return motions_of(self.config, self.journeys)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Cycles and vehicles."""
-        return len(self.motion.position_nm), len(self.journeys)
+        return len(self.motions.position_nm), len(self.journeys)
+
+    def rngs(self, sensor: str) -> list[np.random.Generator]:
+        """Return a new generator of a sensor's stream for each vehicle."""
+        return [seed.rng(sensor) for seed in self.seeds]
 
     @property
     def satellites(self) -> NDArray[np.int64]:
@@ -191,13 +208,17 @@ class Vehicles:
             for journey in self.journeys
         ]
 
-    def routes(self) -> list[RouteSet]:
-        """Return linking for the other branch until the route is set, and for the route from then on, unless linking is not replaced."""
+    def routes(self) -> list[dict[int, Sequence[Group]]]:
+        """Return what linking announces to each vehicle, from a cycle on: behind a switch the other branch until the route is set, and
+        the route from then on, unless linking is not replaced.
+        """
         journey = self.first
         if journey.junction is None:
-            return []
-        first = RouteSet(0, journey.junction.branched(journey.groups))
-        reached = np.flatnonzero(self.motion.position_nm >= journey.junction.set_mm * NM_PER_MM)
-        if not len(reached) or any(one.kind == "linking not replaced" for one in journey.troubles):
-            return [first]
-        return [first, RouteSet(int(reached[0]), journey.groups)]
+            return [{0: journey.passed}] * len(self.journeys)
+        before, stale = journey.junction.branched(journey.groups), self.having("linking not replaced")
+        set_ = self.motions.position_nm >= journey.junction.set_mm * NM_PER_MM
+        found = list[dict[int, Sequence[Group]]]()
+        for vehicle in range(len(self.journeys)):
+            reached = np.flatnonzero(set_[:, vehicle]).tolist()[:1]
+            found.append({0: before} if stale[vehicle] or not reached else {0: before, reached[0]: journey.groups})
+        return found

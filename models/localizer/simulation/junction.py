@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from safeloc.models.balise.groups import Group
 
 
@@ -29,8 +32,11 @@ class Junction:
         """Return the groups of a route up to the switch, followed by those of the other branch."""
         return [*(group for group in groups if group.place_mm < self.switch_mm), *self.other]
 
-    def undecided(self, place_mm: int, passed: Sequence[Group], announced: Sequence[Group]) -> bool:
-        """Return whether either branch is possible: the place is behind the switch, and no announced group there was passed yet."""
+    def undecided(
+        self, places_mm: NDArray[np.int64], passed: Sequence[Group], announced: Sequence[Group]
+    ) -> NDArray[np.bool_]:
+        """Return at which places either branch is possible: behind the switch, where no announced group there was passed yet."""
         known = {group.identity for group in announced}
-        on_it = (one.place_mm for one in passed if one.place_mm >= self.switch_mm and one.identity in known)
-        return place_mm >= self.switch_mm and not any(one <= place_mm for one in on_it)
+        on_it = [one.place_mm for one in passed if one.place_mm >= self.switch_mm and one.identity in known]
+        undecided = places_mm >= self.switch_mm
+        return np.asarray(undecided & (places_mm < min(on_it)) if on_it else undecided, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""Many localizers on one of the example journeys, for campaigns: every vehicle draws its own errors and times of faults."""
+"""Many localizers on one of the example journeys, for campaigns: every vehicle draws its own motion, errors and times of faults."""
 
 from __future__ import annotations
 
@@ -9,15 +9,19 @@ from pathlib import Path
 import numpy as np
 
 from safeloc.errors import InputError
+from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer.simulation.journey import OF_THE_ROUTE, Vehicles
+from safeloc.models.localizer.simulation.journey import OF_THE_ROUTE, Journey, Vehicles, speeds_um_s
 from safeloc.models.localizer.simulation.journeys import NOMINAL
-from safeloc.models.localizer.simulation.simulate import KINDS, first_state
+from safeloc.models.localizer.simulation.simulate import FIRST_SPEED, KINDS, first_but_speed
 from safeloc.models.localizer.simulation.sources import Fleet
 from safeloc.simulation.faults import Kinds
-from safeloc.simulation.many_runs import Drawn, DrawnFigure, ManyRuns, joined
+from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, joined
 from safeloc.simulation.motion import Leg
+
+TOP, ACCELERATION, STANDS = "speed_share", "acceleration_share", "stands"
+"""Figures of the motion."""
 
 
 def require_journey(name: str) -> None:
@@ -46,7 +50,12 @@ class LocalizerJourneys:
     @property
     def figures(self) -> Mapping[str, DrawnFigure]:
         """The figures that may be drawn, by name."""
-        return {"satellites": DrawnFigure("satellites", 0, 32, NOMINAL[self.line].satellites, "satellites in view")}
+        return {
+            "satellites": DrawnFigure("satellites", 0, 32, NOMINAL[self.line].satellites, "satellites in view"),
+            TOP: DrawnFigure("share", 0.05, 1, 1.0, "share of the journey's speeds at which it drives"),
+            ACCELERATION: DrawnFigure("share", 0.2, 1.5, 1.0, "share of the journey's acceleration and braking"),
+            STANDS: DrawnFigure("cycles", 0, 100_000, 0.0, "how long it stands before it leaves"),
+        }
 
     @property
     def kinds(self) -> Mapping[str | int, Kinds]:
@@ -58,29 +67,45 @@ class LocalizerJourneys:
         """None: a journey's fault of a group takes a time and does not heed it."""
         return ()
 
-    def runs(self, drawn: Drawn, cycles: int, rng: np.random.Generator) -> ManyRuns:
+    def runs(self, drawn: Drawn, cycles: int) -> ManyRuns:
         """Return the runs of the vehicles."""
-        seeds, nominal = rng.integers(0, 2**31, drawn.vehicles).tolist(), NOMINAL[self.line]
-        nominal = replace(nominal, legs=_for_seconds(nominal.legs, cycles * self.period_ms / 1_000))
-        satellites = np.rint(drawn.figures["satellites"]).astype(np.int64).tolist()
+        journeys = [self._journey(drawn, run, cycles) for run in range(drawn.vehicles)]
         alike: dict[frozenset[str], list[int]] = {}
         for run, faults in enumerate(drawn.faults):
             KINDS.require(faults)
             alike.setdefault(frozenset(one.kind for one in faults if one.kind in OF_THE_ROUTE), []).append(run)
-        parts = []
+        parts, first = [], dict[str, Array | Value](first_but_speed(self.config, journeys[0]))
+        speeds = np.zeros(drawn.vehicles, dtype=np.int64)
         for which in alike.values():
-            journeys = [replace(nominal, satellites=satellites[run], troubles=drawn.faults[run]) for run in which]
-            vehicles = Vehicles(self.config, journeys, [seeds[run] for run in which])
-            inputs = Fleet(vehicles, self.system, self.libraries).inputs()
-            parts.append((np.array(which), ManyRuns({name: values[:cycles] for name, values in inputs.items()})))
-        return ManyRuns(joined(parts, drawn.vehicles).inputs, first_state(self.config, nominal))
+            vehicles = Vehicles(self.config, [journeys[run] for run in which], [drawn.seeds[run] for run in which])
+            parts.append((np.array(which), ManyRuns(Fleet(vehicles, self.system, self.libraries).inputs())))
+            speeds[which] = speeds_um_s(vehicles.motions)[0]
+        if "satellite" in self.config.arbitration.sources:
+            first[FIRST_SPEED] = speeds
+        return ManyRuns(joined(parts, drawn.vehicles).inputs, first)
+
+    def _journey(self, drawn: Drawn, run: int, cycles: int) -> Journey:
+        """Return the journey of a vehicle with what was drawn for it."""
+        nominal, figures = NOMINAL[self.line], {name: float(values[run]) for name, values in drawn.figures.items()}
+        speed, stands = figures[TOP], round(figures[STANDS])
+        legs = [replace(leg, speed_mm_s=round(leg.speed_mm_s * speed)) for leg in nominal.legs]
+        return replace(
+            nominal,
+            legs=_for_cycles(
+                [Leg(0, stands * self.period_ms / 1_000), *legs] if stands else legs, cycles, self.period_ms
+            ),
+            satellites=round(figures["satellites"]),
+            acceleration_mm_s2=max(1, round(nominal.acceleration_mm_s2 * figures[ACCELERATION])),
+            troubles=drawn.faults[run],
+        )
 
 
-def _for_seconds(legs: Sequence[Leg], seconds: float) -> list[Leg]:
-    """Return the legs of the first seconds; a vehicle whose journey ends before stands where it ends."""
+def _for_cycles(legs: Sequence[Leg], cycles: int, period_ms: int) -> list[Leg]:
+    """Return the legs of the first cycles; a vehicle whose journey ends before stands where it ends."""
     kept: list[Leg] = []
-    for leg in legs:
-        if seconds > 0:
-            kept.append(replace(leg, seconds=min(leg.seconds, seconds)))
-        seconds -= leg.seconds
-    return [*kept, Leg(0, seconds)] if seconds > 0 else kept
+    for leg in [*legs, Leg(0, cycles * period_ms / 1_000)]:
+        taken = min(max(1, round(leg.seconds * 1_000 / period_ms)), cycles)
+        if taken:
+            kept.append(replace(leg, seconds=taken * period_ms / 1_000))
+        cycles -= taken
+    return kept

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from safeloc.models.localizer.simulation.columns import Column
 from safeloc.models.satellite.variables import MISSING
 from safeloc.models.satellite_selection import SelectionConfig
+from safeloc.simulation.many_runs import Array
 
 DILUTION_PERMILLE, FURTHER_MM, SPEED_FURTHER_UM_S = 1_500, 500, 5_000
 """Figures of a solution along the track, as in the simulated skies: errors of 1 m in each signal move it by 1.5 m at most."""
@@ -44,30 +45,27 @@ class Sky:
 class Noise:
     """Errors of receivers as shares: of each signal's range and speed, of the solution's place and speed; [..., cycle, vehicle]."""
 
-    signals: NDArray[np.float64]
+    signals: NDArray[np.float32]
     solution: NDArray[np.float64]
 
 
-def noise(config: SelectionConfig, received: NDArray[np.int64], rngs: list[np.random.Generator]) -> Noise:
-    """Draw the errors of receivers, each from its generator in the order of cycles: a solution draws only after the warm-up."""
-    cycles, vehicles = received.shape
-    signals = np.empty((2 * config.channels, cycles, vehicles))
-    solution = np.zeros((2, cycles, vehicles))
-    own, solved_own = np.empty((cycles, 2 * config.channels)), np.zeros((cycles, 2))
-    rows, pairs = list(own), list(solved_own)
-    for vehicle, rng in enumerate(rngs):
-        solved = received[:, vehicle] >= config.warm_up_cycles
-        edges = [0, *(np.flatnonzero(np.diff(solved)) + 1).tolist(), cycles]
-        solved_own[:] = 0
-        for begin, end in pairwise(edges):
-            if not solved[begin]:
-                rng.standard_normal(out=own[begin:end])
-                continue
-            for row, pair in zip(rows[begin:end], pairs[begin:end], strict=True):
-                rng.standard_normal(out=row)
-                rng.random(out=pair)
-        signals[:, :, vehicle], solution[:, :, vehicle] = own.T, solved_own.T
-    return Noise(signals, solution)
+def noise(
+    config: SelectionConfig,
+    sky: Sky,
+    of_signals: Sequence[np.random.Generator],
+    of_solutions: Sequence[np.random.Generator],
+) -> Noise:
+    """Draw the errors of receivers, for the signals in view and the cycles with signals; elsewhere they are 0."""
+    cycles, vehicles = sky.received.shape
+    signals = np.zeros((vehicles, 2 * config.channels, cycles), dtype=np.float32)
+    solution = np.zeros((vehicles, 2, cycles))
+    for vehicle, (rng, other) in enumerate(zip(of_signals, of_solutions, strict=True)):
+        heard = np.flatnonzero(sky.received[:, vehicle])
+        if len(heard):
+            used = 2 * min(config.channels, int(sky.seen[vehicle]))
+            signals[vehicle][:used, heard] = rng.standard_normal((used, len(heard)), dtype=np.float32)
+            solution[vehicle][:, heard] = other.random((2, len(heard)))
+    return Noise(signals.transpose(1, 2, 0), solution.transpose(1, 2, 0))
 
 
 def signals(config: SelectionConfig, sky: Sky, drawn: Noise) -> dict[str, Column]:
@@ -75,27 +73,37 @@ def signals(config: SelectionConfig, sky: Sky, drawn: Noise) -> dict[str, Column
     columns = {"selection.clock_mm": Column(0), "selection.clock_mm_s": Column(0)}
     columns["selection.almanac_age_s"] = Column(_ALMANAC_S)
     for number in range(1, config.channels + 1):
-        name = f"selection.channel_{number}"
-        away_by, faster_by = drawn.signals[2 * number - 2], drawn.signals[2 * number - 1]
-        away = (config.range_noise_mm / 4 * away_by).astype(np.int64) + (_MULTIPATH_MM * sky.far if number == 1 else 0)
-        faster = (config.speed_noise_mm_s / 4 * faster_by).astype(np.int64)
-        heard = (sky.received > 0) & (number <= sky.seen)
-        spread = (sky.received >= config.warm_up_cycles) & (number <= sky.seen)
         columns |= {
-            f"{name}_error_mm": Column(np.where(heard, away, 0)),
-            f"{name}_speed_error_mm_s": Column(np.where(heard, faster, 0)),
-            f"{name}_prediction_mm": Column(0),
-            f"{name}_prediction_mm_s": Column(0),
-            f"{name}_elevation_mrad": Column(_ELEVATION_MRAD),
-            f"{name}_almanac_mrad": Column(_ELEVATION_MRAD, heard),
-            f"{name}_ephemeris_valid": Column(True),
-            f"{name}_satellite": Column(number, heard),
-            f"{name}_range_off_mm": Column(away, heard),
-            f"{name}_speed_off_mm_s": Column(faster, heard),
-            f"{name}_range_covariance_mm2": Column(config.range_covariance_mm2 // 4, spread),
-            f"{name}_speed_covariance_mm2_s2": Column(config.speed_covariance_mm2_s2 // 4, spread),
+            f"selection.channel_{number}_{name}": one for name, one in _channel(config, sky, drawn, number).items()
         }
     return columns
+
+
+def _channel(config: SelectionConfig, sky: Sky, drawn: Noise, number: int) -> dict[str, Column]:
+    """Return the inputs of one channel; one that no vehicle has a satellite in is constant."""
+    away: Array | int = 0
+    faster: Array | int = 0
+    heard = spread = np.zeros((1, 1), dtype=np.bool_)
+    if number <= sky.seen.max(initial=0) and sky.received.any():
+        off, more = drawn.signals[2 * number - 2], drawn.signals[2 * number - 1]
+        heard = (sky.received > 0) & (number <= sky.seen)
+        spread = (sky.received >= config.warm_up_cycles) & (number <= sky.seen)
+        away = (config.range_noise_mm / 4 * off).astype(np.int64) + (_MULTIPATH_MM * sky.far if number == 1 else 0)
+        faster = (config.speed_noise_mm_s / 4 * more).astype(np.int64)
+    return {
+        "error_mm": Column(np.where(heard, away, 0)),
+        "speed_error_mm_s": Column(np.where(heard, faster, 0)),
+        "prediction_mm": Column(0),
+        "prediction_mm_s": Column(0),
+        "elevation_mrad": Column(_ELEVATION_MRAD),
+        "almanac_mrad": Column(_ELEVATION_MRAD, heard),
+        "ephemeris_valid": Column(True),
+        "satellite": Column(number, heard),
+        "range_off_mm": Column(away, heard),
+        "speed_off_mm_s": Column(faster, heard),
+        "range_covariance_mm2": Column(config.range_covariance_mm2 // 4, spread),
+        "speed_covariance_mm2_s2": Column(config.speed_covariance_mm2_s2 // 4, spread),
+    }
 
 
 def solution(
@@ -119,7 +127,7 @@ def solution(
         "position.fix_speed_dilution_permille": Column(DILUTION_PERMILLE),
         "position.fix_speed_further_um_s": Column(SPEED_FURTHER_UM_S),
         "position.fix_unknowns": Column(2),
-        "position.fix_missing": Column(np.where(solved, 0, sky.missing), labels=_LABELS),
+        "position.fix_missing": Column(np.where(solved, 0, sky.missing)),
         "position.reference_speed_accuracy_um_s": Column(0),
         "position.odometry_error_mm": Column(0),
         "position.fix_mm": Column(place_mm + off_mm, solved),

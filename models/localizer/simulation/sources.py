@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
-
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.models import odometry
 from safeloc.models.balise.simulation.many import Line
@@ -17,19 +15,18 @@ from safeloc.models.balise.simulation.passages import Antenna
 from safeloc.models.localizer.simulation.columns import Columns, arrays_of
 from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
 from safeloc.models.localizer.simulation.journey import Vehicles
-from safeloc.models.localizer.simulation.simulate import radar_scene
 from safeloc.models.motion.simulate import Measured, measured_by_many
-from safeloc.models.odometry.many import simulate_alike
+from safeloc.models.odometry.many import simulate_shared
 from safeloc.models.odometry.variables import OdometryConfig
-from safeloc.models.reflector.simulation.draws import OfMany
+from safeloc.models.reflector.simulation.draws import ByPurpose
 from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
-from safeloc.models.reflector.simulation.scene import KINDS
+from safeloc.models.reflector.simulation.scene import KINDS, Scene
 from safeloc.simulation.many_runs import Array, absent_everywhere
 
 
 @dataclass(frozen=True, eq=False)
 class Fleet:
-    """Vehicles that travel alike, and the localizer with its world that their inputs are for.
+    """Vehicles on one journey, and the localizer with its world that their inputs are for.
 
     libraries  folder for compiled machines; None: a temporary one
     """
@@ -38,15 +35,16 @@ class Fleet:
     system: TransitionSystem
     libraries: Path | None
 
-    def rngs(self) -> list[np.random.Generator]:
-        """Return a new generator for each vehicle."""
-        return [np.random.default_rng(seed) for seed in self.vehicles.seeds]
-
     def inputs(self) -> dict[str, Array]:
         """Return all inputs: name -> array [cycle, vehicle]."""
         vehicles = self.vehicles
         measured = measured_by_many(
-            "wheel", vehicles.config.motion, vehicles.motion, self.rngs(), vehicles.passed_on("motion"), self.libraries
+            "wheel",
+            vehicles.config.motion,
+            vehicles.motions,
+            vehicles.seeds,
+            vehicles.passed_on("motion"),
+            self.libraries,
         )
         found = self._of(common(vehicles, measured)) | self._of(links(vehicles))
         for name in vehicles.config.arbitration.sources:
@@ -69,19 +67,21 @@ def _odometry_system(config: str) -> TransitionSystem:
 
 def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles, config = fleet.vehicles, fleet.vehicles.config.odometry
-    made = simulate_alike(
-        config, _odometry_system(config.model_dump_json()), vehicles.motion, fleet.rngs(), vehicles.passed_on("odometry"),
-        vehicles.first.markers, measured.odometer, measured.check,
+    made = simulate_shared(
+        config, _odometry_system(config.model_dump_json()), vehicles.motions, vehicles.seeds, vehicles.passed_on("odometry"),
+        vehicles.first.markers, [measured.odometer, measured.check],
     )  # fmt: skip
     return fleet.named("odometry", made)
 
 
 def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
-    vehicles, groups = fleet.vehicles, fleet.vehicles.first.passed
-    announced = {0: groups} | {one.cycle: one.groups for one in vehicles.routes()}
-    antennas = [Antenna(rng, 0, 0, 0.5, own) for rng, own in zip(fleet.rngs(), vehicles.faulty_groups(), strict=True)]
-    motions = [vehicles.motion] * len(antennas)
-    line = Line(groups, announced, 5_000, fleet.libraries)
+    vehicles = fleet.vehicles
+    antennas = [
+        Antenna(rng, 0, 0, 0.5, own)
+        for rng, own in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), strict=True)
+    ]
+    motions = [vehicles.motions.of(vehicle) for vehicle in range(len(antennas))]
+    line = Line(vehicles.first.passed, vehicles.routes(), 5_000, fleet.libraries)
     made = simulate_balises(vehicles.config.balise, line, motions, measured.reported, antennas)
     return fleet.named("balise", made.inputs)
 
@@ -92,8 +92,8 @@ def _reflector(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     for own in disturbed:
         KINDS.require(own, places=[""], length=vehicles.shape[0])
     made = simulate_radars(
-        vehicles.config.reflector, radar_scene(vehicles.first), vehicles.motion, measured.reported, disturbed,
-        OfMany(fleet.rngs()), fleet.libraries,
+        vehicles.config.reflector, Scene(vehicles.first.reflectors, pauses=0, dropout=0), vehicles.motions, measured.reported, disturbed,
+        ByPurpose(vehicles.seeds, vehicles.shape[0]), fleet.libraries,
     )  # fmt: skip
     return fleet.named("reflector", made)
 

@@ -1,6 +1,6 @@
-"""Many vehicles with the reflector machine on one run at once, cycle by cycle with the machine on board, as arrays over vehicles.
+"""Many vehicles with the reflector machine at once, cycle by cycle with the machine on board, as arrays over vehicles.
 
-The radars' frames follow from the run alone; the map's next reflector follows from what the machine reports. One vehicle is the
+The radars' frames follow from the runs alone; the map's next reflector follows from what the machine reports. One vehicle is the
 case of one column (`safeloc.models.reflector.simulate`).
 """
 
@@ -19,12 +19,12 @@ from safeloc.language.system import TransitionSystem, canonical, lower, without_
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector import machine
 from safeloc.models.reflector.simulation.draws import Draws, between
-from safeloc.models.reflector.simulation.radar import MODELS, Radars, empty_slots
+from safeloc.models.reflector.simulation.radar import MODELS, Instants, Radars, empty_slots
 from safeloc.models.reflector.simulation.scene import Balise, Route, Scene
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import Array, absent_everywhere, through_border
-from safeloc.simulation.motion import Motion
+from safeloc.simulation.motion import Motions
 from safeloc.simulation.sensors import Distances
 
 _TOLD = ("valid", "reflector_model", "reflector_position_mm", "position_mm", "margin_below_mm")
@@ -45,7 +45,7 @@ def on_board(config: str, libraries: Path | None) -> Stepped:
 def simulate_many(
     config: ReflectorConfig,
     scene: Scene,
-    motion: Motion,
+    motions: Motions,
     odometers: Distances,
     disturbances: Sequence[Sequence[Fault]],
     draws: Draws,
@@ -57,35 +57,50 @@ def simulate_many(
     disturbances  of each vehicle's radar; those of the scene are not read
     libraries     folder for compiled machines; None: a temporary one
     """
-    made = config.model_dump_json()
-    inputs = _of_vehicles(config, _with_world(made), motion, odometers)
-    passed, radars = _passed(motion, scene.route), Radars(config, scene, disturbances, draws)
-    numbers = np.zeros(odometers.distance_mm.shape, dtype=np.int64)
-    slots = empty_slots(config.echo_slots, numbers.shape)
-    before = motion.start_nm
-    for cycle, now in enumerate(motion.position_nm.tolist()):
-        if cycle in passed:
-            _read_balise(config, inputs, cycle, passed[cycle], now, draws)
-        echoes = {name: values[:, cycle] for name, values in slots.items()}
-        frames = radars.frames(cycle, now - before, now, echoes)
-        inputs["frame_present"][cycle] = frames.present
-        numbers[cycle] = frames.number
-        before = now
-    inputs["next_radar_bias_nm"][:] = radars.biases_mm(len(motion.position_nm)) * NM_PER_MM
-    for slot in range(config.echo_slots):
-        inputs |= {f"echo_{slot + 1}_{name}": values[slot] for name, values in slots.items()}
-        inputs[f"echo_{slot + 1}_range_mm.present"] = numbers > slot
+    made, route = config.model_dump_json(), scene.route
+    inputs = _of_vehicles(config, _with_world(made), motions, odometers)
+    passed = _passed(motions, route)
+    _sense(config, inputs, motions, route.balises, passed, Radars(config, scene, disturbances, draws), draws)
+    if not route.reflectors:  # the map answers nothing, so no input follows from what the machines report
+        return inputs
     code = on_board(made, libraries)
     runs = code.begin(through_border(code.system, {var.name: inputs[var.name] for var in code.system.inputs})[0])
-    line = _Map(scene.route, _with_world(made), inputs)
-    for cycle in range(len(motion.position_nm)):
-        line.answer(cycle, runs.told, passed.get(cycle))
+    line = _Map(route, _with_world(made), inputs)
+    for cycle, balises in enumerate(passed):
+        line.answer(cycle, runs.told, balises)
         runs.step(cycle)
     return inputs
 
 
+def _sense(
+    config: ReflectorConfig,
+    inputs: dict[str, Array],
+    motions: Motions,
+    balises: Sequence[Balise],
+    passed: NDArray[np.int64],
+    radars: Radars,
+    draws: Draws,
+) -> None:
+    """Write readings of balises and frames of the radars into the inputs, all cycles at once or one after the other."""
+    numbers = np.zeros(passed.shape, dtype=np.int64)
+    slots, distance = empty_slots(config.echo_slots, passed.shape), motions.distance_nm
+    size = max(1, len(passed)) if draws.at_once else 1
+    for first in range(0, len(passed), size):
+        some = slice(first, first + size)
+        at = Instants(first, distance[some], motions.position_nm[some])
+        _read_balises(config, inputs, balises, passed[some], at, draws)
+        echoes = {name: values[:, some].reshape(config.echo_slots, -1) for name, values in slots.items()}
+        frames = radars.frames(at, echoes)
+        inputs["frame_present"][some] = frames.present.reshape(at.now_nm.shape)
+        numbers[some] = frames.number.reshape(at.now_nm.shape)
+    inputs["next_radar_bias_nm"][:] = radars.biases_mm(0, len(passed)) * NM_PER_MM
+    for slot in range(config.echo_slots):
+        inputs |= {f"echo_{slot + 1}_{name}": values[slot] for name, values in slots.items()}
+        inputs[f"echo_{slot + 1}_range_mm.present"] = numbers > slot
+
+
 def _of_vehicles(
-    config: ReflectorConfig, system: TransitionSystem, motion: Motion, odometers: Distances
+    config: ReflectorConfig, system: TransitionSystem, motions: Motions, odometers: Distances
 ) -> dict[str, Array]:
     """Return the inputs without balises, map and radar."""
     inputs = absent_everywhere(system, *odometers.distance_mm.shape)
@@ -93,7 +108,7 @@ def _of_vehicles(
     inputs["distance_mm.present"][:] = odometers.present
     if config.checked_distance and odometers.more_nm is not None:
         inputs["distance_more_nm"][:] = odometers.more_nm
-    inputs["true_cycle_distance_nm"][:] = motion.distance_nm[:, None]
+    inputs["true_cycle_distance_nm"][:] = motions.distance_nm
     inputs["next_wander_nm"][:] = _last_measured(odometers)
     return inputs
 
@@ -106,33 +121,43 @@ def _last_measured(odometers: Distances) -> NDArray[np.int64]:
     return np.asarray(np.take_along_axis(padded, last, axis=0), dtype=np.int64)
 
 
-def _passed(motion: Motion, route: Route) -> dict[int, Balise]:
-    """Return the balise passed in each cycle that has one; of several the first one of the route."""
-    before = np.concatenate([[motion.start_nm], motion.position_nm[:-1]])
-    low, high = np.minimum(before, motion.position_nm), np.maximum(before, motion.position_nm)
-    found: dict[int, Balise] = {}
-    for balise in reversed(route.balises):
+def _passed(motions: Motions, route: Route) -> NDArray[np.int64]:
+    """Return the number of the balise passed in each cycle, array [cycle, vehicle]: of several the first one of the route; -1 for none."""
+    after = motions.position_nm
+    before = np.vstack([np.full((1, after.shape[1]), motions.start_nm), after[:-1]])
+    low, high = np.minimum(before, after), np.maximum(before, after)
+    found = np.full(after.shape, -1)
+    for number, balise in reversed(list(enumerate(route.balises))):
         place = balise.position_mm * NM_PER_MM
-        found |= dict.fromkeys(np.flatnonzero((low < place) & (place <= high)).tolist(), balise)
+        found[(low < place) & (place <= high)] = number
     return found
 
 
-def _read_balise(
-    config: ReflectorConfig, inputs: Mapping[str, Array], cycle: int, balise: Balise, now: int, draws: Draws
+def _read_balises(
+    config: ReflectorConfig,
+    inputs: Mapping[str, Array],
+    balises: Sequence[Balise],
+    passed: NDArray[np.int64],
+    at: Instants,
+    draws: Draws,
 ) -> None:
-    everyone = np.arange(inputs["balise"].shape[1])
-    error = (between(draws, everyone, -0.8, 0.8) * balise.accuracy_mm).astype(np.int64)
-    since = round(now / NM_PER_MM) - balise.position_mm + error
-    cells: dict[str, Array | int] = {
-        "balise": balise.identity,
-        "balise_position_mm": balise.position_mm,
-        "balise_accuracy_mm": balise.accuracy_mm,
-        "balise_since_mm": np.clip(since, -config.max_cycle_distance_mm, config.max_cycle_distance_mm),
-    }
-    if balise.search_from_mm is not None:
-        cells["balise_search_from_mm"] = balise.search_from_mm
-    for name, value in cells.items():
-        inputs[name][cycle], inputs[f"{name}.present"][cycle] = value, True
+    begin = at.first * passed.shape[1]
+    for number, balise in enumerate(balises):
+        which = np.flatnonzero(passed == number)
+        if not len(which):
+            continue
+        error = (between(draws, "balise", which, -0.8, 0.8) * balise.accuracy_mm).astype(np.int64)
+        since = np.rint(at.ends_nm[which] / NM_PER_MM).astype(np.int64) - balise.position_mm + error
+        cells: dict[str, Array | int] = {
+            "balise": balise.identity,
+            "balise_position_mm": balise.position_mm,
+            "balise_accuracy_mm": balise.accuracy_mm,
+            "balise_since_mm": np.clip(since, -config.max_cycle_distance_mm, config.max_cycle_distance_mm),
+        }
+        if balise.search_from_mm is not None:
+            cells["balise_search_from_mm"] = balise.search_from_mm
+        for name, value in cells.items():
+            inputs[name].reshape(-1)[begin + which], inputs[f"{name}.present"].reshape(-1)[begin + which] = value, True
 
 
 class _Map:
@@ -151,22 +176,30 @@ class _Map:
         rest = {var.name: canonical(var) for var in system.inputs if isinstance(var, NumVar)}
         self._said = {name: np.array([*values, rest[name]], dtype=np.int64) for name, values in said.items()}
         self._inputs = inputs
+        self._balises_mm = np.array([one.position_mm for one in route.balises], dtype=np.int64)
+        self._references = np.array([one.reference for one in route.balises], dtype=np.bool_)
+        self._ahead = np.searchsorted(self._places, self._balises_mm, side="right")
 
-    def answer(self, cycle: int, told: Mapping[str, Array], balise: Balise | None) -> None:
-        """Write the next reflector: beyond the balise that was passed, else the target, else the reported position."""
-        if balise is None:
-            reported = told["position_mm"] - told["margin_below_mm"]
-            here = np.where(told["reflector_model"] != 0, told["reflector_position_mm"], reported)
-            number = np.where(told["valid"], np.searchsorted(self._places, here, side="right"), len(self._places))
-        else:
-            ahead = np.searchsorted(self._places, balise.position_mm, side="right")
-            number = np.full(len(told["valid"]), ahead)
+    def answer(self, cycle: int, told: Mapping[str, Array], balises: NDArray[np.int64]) -> None:
+        """Write the next reflector: beyond the balise that was passed, else the target, else the reported position.
+
+        balises  numbers of those passed, -1 for none: array [vehicle]
+        """
+        reported = told["position_mm"] - told["margin_below_mm"]
+        here = np.where(told["reflector_model"] != 0, told["reflector_position_mm"], reported)
+        number = np.where(told["valid"], np.searchsorted(self._places, here, side="right"), len(self._places))
+        passed = balises >= 0
+        met = passed.any()
+        if met:
+            number = np.where(passed, self._ahead[balises], number)
         found = number < len(self._places)
         if not found.any():
             return
         for name, values in self._said.items():
             self._inputs[name][cycle] = values[number]
         self._inputs["next_position_mm.present"][cycle] = found
-        if balise is not None and balise.reference:
-            self._inputs["next_reference_mm"][cycle] = self._inputs["next_position_mm"][cycle] - balise.position_mm
-            self._inputs["next_reference_mm.present"][cycle] = found
+        if met:
+            tested = found & passed & self._references[balises]
+            off = self._inputs["next_position_mm"][cycle] - self._balises_mm[balises]
+            self._inputs["next_reference_mm"][cycle][tested] = off[tested]
+            self._inputs["next_reference_mm.present"][cycle][tested] = True

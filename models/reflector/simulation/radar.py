@@ -1,10 +1,14 @@
-"""The radars of many vehicles on one run: their frames, cycle by cycle, as arrays over vehicles."""
+"""The radars of many vehicles: their frames as arrays over cells, a cycle of a vehicle each.
+
+Cells are those of all cycles at once, or of one cycle (`Draws.at_once`), in the order of an array [cycle, vehicle].
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +34,31 @@ ECHO = {
 
 
 @dataclass(frozen=True, eq=False)
-class Frames:
-    """The frames of one cycle.
+class Instants:
+    """Cycles of vehicles from `first` on: the run in each, and the place at its end, nm; arrays [cycle, vehicle]."""
 
-    present  whether there is a frame, array [vehicle]
-    echoes   `ECHO`: name -> array [slot, vehicle], of which the filled slots are written
-    number   of echoes of each vehicle; those beyond the slots are lost
+    first: int
+    distance_nm: NDArray[np.int64]
+    now_nm: NDArray[np.int64]
+
+    @property
+    def cells(self) -> int:
+        """The number of cells."""
+        return self.now_nm.size
+
+    @cached_property
+    def ends_nm(self) -> NDArray[np.int64]:
+        """The places at the end of the cycles, array [cell]."""
+        return self.now_nm.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The frames of cells.
+
+    present  whether there is a frame, array [cell]
+    echoes   `ECHO`: name -> array [slot, cell], of which the filled slots are written
+    number   of echoes of each cell; those beyond the slots are lost
     """
 
     present: NDArray[np.bool_]
@@ -43,7 +66,7 @@ class Frames:
     number: NDArray[np.int64]
 
     def add(self, which: Which, **values: Array | int | bool) -> None:
-        """Put an echo of each of these vehicles into its next free slot."""
+        """Put an echo of each of these cells into its next free slot."""
         slots, slot = len(self.echoes["range_mm"]), self.number[which]
         free = slot < slots
         for name, value in values.items():
@@ -59,6 +82,13 @@ def empty_slots(slots: int, shape: tuple[int, ...]) -> dict[str, Array]:
 def intensity_cdb(range_mm: int, view_from_mm: int, minimum_cdb: int) -> int:
     """Return the intensity: the minimum where the view zone begins, and 12 dB more for each halving of the range."""
     return minimum_cdb + math.floor(_CDB_A_DOUBLING * math.log2(view_from_mm / max(1, range_mm)))
+
+
+@lru_cache(maxsize=64)
+def _intensities_cdb(view_from_mm: int, minimum_cdb: int) -> NDArray[np.int64]:
+    """Return the intensity for each range up to twice the view zone's beginning, mm."""
+    ranges = range(2 * view_from_mm)
+    return np.array([intensity_cdb(one, view_from_mm, minimum_cdb) for one in ranges], dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,15 +107,29 @@ class Disturbances:
         """Return whether any vehicle has a fault of one of these kinds."""
         return any(kind in self._of_kind for kind in kinds)
 
-    def hits(self, kind: str, cycle: int) -> dict[int, Fault]:
-        """Return the fault of a kind that acts in a cycle, for each vehicle that has one."""
-        return {vehicle: fault for vehicle, fault in self._of_kind.get(kind, ()) if fault.active(cycle)}
+    def _numbers(self, kind: str, first: int, cycles: int) -> NDArray[np.int64]:
+        """Return the number of the fault that acts, array [cycle, vehicle]; -1 without one."""
+        found = np.full((cycles, len(self.vehicles)), -1)
+        for number, (vehicle, fault) in enumerate(self._of_kind.get(kind, ())):
+            end = cycles if fault.end is None else max(0, fault.end - first)
+            found[max(0, fault.begin - first) : end, vehicle] = number
+        return found
 
-    def figures(self, kind: str, name: str, cycle: int) -> NDArray[np.float64]:
-        """Return a figure of that fault, array [vehicle]; 0 without one."""
-        found = np.zeros(len(self.vehicles))
-        for vehicle, fault in self.hits(kind, cycle).items():
-            found[vehicle] = KINDS.figure(fault, name)
+    def acting(self, kind: str, first: int, cycles: int) -> NDArray[np.bool_]:
+        """Return whether a fault of a kind acts, array [cell]."""
+        return (self._numbers(kind, first, cycles) >= 0).ravel()
+
+    def each(self, kind: str, first: int, cycles: int) -> Iterator[tuple[Fault, Which]]:
+        """Yield the faults of a kind, each with the cells in which it acts."""
+        numbers = self._numbers(kind, first, cycles).ravel()
+        for number, (_, fault) in enumerate(self._of_kind.get(kind, ())):
+            yield fault, np.flatnonzero(numbers == number)
+
+    def figures(self, kind: str, name: str, first: int, cycles: int) -> NDArray[np.float64]:
+        """Return a figure of the fault that acts, array [cell]; 0 without one."""
+        found = np.zeros(cycles * len(self.vehicles))
+        for fault, which in self.each(kind, first, cycles):
+            found[which] = KINDS.figure(fault, name)
         return found
 
 
@@ -96,99 +140,103 @@ class Radars:
         self, config: ReflectorConfig, scene: Scene, disturbances: Sequence[Sequence[Fault]], draws: Draws
     ) -> None:
         self._config, self._scene, self._draws = config, scene, draws
-        self._disturbed, self._all = Disturbances(disturbances), np.arange(len(disturbances))
+        self._disturbed, self._vehicles = Disturbances(disturbances), len(disturbances)
         route = scene.route
         seen = sorted((*route.reflectors, *route.beside), key=lambda one: one.position_mm)
         self._reflectors = [one for one in seen if one.position_mm not in route.missing]
 
-    def frames(self, cycle: int, distance_nm: int, now: int, slots: dict[str, Array]) -> Frames:
-        """Return the frames of a cycle in which the vehicles run `distance_nm` and that they end at `now`, nm; fill these empty slots."""
-        paused = self._draws.shares(self._all) < self._scene.pauses
+    def frames(self, at: Instants, slots: dict[str, Array]) -> Frames:
+        """Return the frames of some cycles; fill these empty slots, arrays [slot, cell]."""
+        all_ = np.arange(at.cells)
+        paused = self._draws.shares("pause", all_) < self._scene.pauses
         if self._disturbed.have("pause"):
-            paused[list(self._disturbed.hits("pause", cycle))] = True
-        frames = Frames(~paused, slots, np.zeros(len(self._all), dtype=np.int64))
+            paused |= self._disturbed.acting("pause", at.first, len(at.now_nm))
+        frames = Frames(~paused, slots, np.zeros(at.cells, dtype=np.int64))
         which = np.flatnonzero(~paused)
-        share = self._config.frame_latency_ms / self._config.period_ms * between(self._draws, which, 0, 0.8)
-        at_frame = now - (distance_nm * share).astype(np.int64)
-        near = [one for one in self._reflectors if self._in_reach(one, distance_nm, now)]
-        if near:
-            self._reflected(frames, cycle, near, which, at_frame)
+        share = self._config.frame_latency_ms / self._config.period_ms * between(self._draws, "latency", which, 0, 0.8)
+        at_frame = at.ends_nm[which] - (at.distance_nm.ravel()[which] * share).astype(np.int64)
+        self._reflected(frames, at, which, at_frame)
         if self._disturbed.have("decoy"):
-            self._decoys(frames, cycle, paused)
+            self._decoys(frames, at, paused)
         self._clutter(frames, which, at_frame)
         return frames
 
-    def _in_reach(self, one: Reflector, distance_nm: int, now: int) -> bool:
-        """Return whether a radar may receive a reflector from some place at which the vehicle is in the cycle."""
-        range_mm = one.position_mm - now / NM_PER_MM + self._config.radar_offset_mm
-        run_mm = abs(distance_nm) / NM_PER_MM + 1
-        return one.view_to_mm - run_mm <= range_mm <= 2 * one.view_from_mm + run_mm
+    def _in_reach(self, one: Reflector, at: Instants) -> bool:
+        """Return whether a radar may receive a reflector from some place at which a vehicle is in these cycles."""
+        farthest_mm = int(np.abs(at.distance_nm).max(initial=0)) / NM_PER_MM + 1
+        beyond_mm = one.position_mm + self._config.radar_offset_mm
+        nearest, last = (
+            beyond_mm - int(end) / NM_PER_MM for end in (at.now_nm.max(initial=0), at.now_nm.min(initial=0))
+        )
+        return nearest <= 2 * one.view_from_mm + farthest_mm and one.view_to_mm - farthest_mm <= last
 
-    def _reflected(
-        self, frames: Frames, cycle: int, near: Sequence[Reflector], which: Which, at_frame: NDArray[np.int64]
-    ) -> None:
+    def _reflected(self, frames: Frames, at: Instants, which: Which, at_frame: NDArray[np.int64]) -> None:
         """Add the echoes of the reflectors near the vehicles, the nearest first."""
-        blind = list(self._disturbed.hits("blind", cycle))
-        sighted = ~np.isin(which, blind) if blind else np.True_
-        for one in near:
+        near = [(number, one) for number, one in enumerate(self._reflectors) if self._in_reach(one, at)]
+        if not near:
+            return
+        sighted = np.ones(len(which), dtype=np.bool_)
+        if self._disturbed.have("blind"):
+            sighted = ~self._disturbed.acting("blind", at.first, len(at.now_nm))[which]
+        for number, one in near:
             range_mm = np.rint(one.position_mm - at_frame / NM_PER_MM).astype(np.int64) + self._config.radar_offset_mm
             seen = (one.view_to_mm <= range_mm) & (range_mm < 2 * one.view_from_mm) & sighted
             if seen.any():
-                self._echo(frames, cycle, one, which[seen], range_mm[seen])
+                self._echo(frames, at, number, which[seen], range_mm[seen])
 
-    def _echo(self, frames: Frames, cycle: int, one: Reflector, which: Which, range_mm: NDArray[np.int64]) -> None:
+    def _echo(self, frames: Frames, at: Instants, number: int, which: Which, range_mm: NDArray[np.int64]) -> None:
         error, most, minimum = self._scene.error_mm, self._config.range_limit_mm, self._config.minimum_intensity_cdb
-        noise = (between(self._draws, which, -0.8, 0.8) * (error - 1)).astype(np.int64)
-        scaled = self._scaled_mm(cycle, which, range_mm)
-        weak = list(self._disturbed.hits("weak", cycle))
-        strong = np.array(
-            [intensity_cdb(value, one.view_from_mm, minimum) for value in range_mm.tolist()], dtype=np.int64
-        )
+        one = self._reflectors[number]
+        noise = (between(self._draws, f"noise {number}", which, -0.8, 0.8) * (error - 1)).astype(np.int64)
+        scaled = self._scaled_mm(at, which, range_mm)
+        strong = _intensities_cdb(one.view_from_mm, minimum)[np.maximum(range_mm, 0)]
+        if self._disturbed.have("weak"):
+            strong = strong - 2_000 * self._disturbed.acting("weak", at.first, len(at.now_nm))[which]
         frames.add(
             which,
-            range_mm=np.clip(range_mm + self.bias_mm(cycle)[which] + scaled + noise, 0, most),
+            range_mm=np.clip(range_mm + self._bias_mm(at)[which] + scaled + noise, 0, most),
             error_mm=error,
             model=MODELS.index(one.model),
-            intensity_cdb=strong - 2_000 * np.isin(which, weak) if weak else strong,
-            lateral_mm=3_000 + between(self._draws, which, -100, 100).astype(np.int64),
+            intensity_cdb=strong,
+            lateral_mm=3_000 + between(self._draws, f"lateral {number}", which, -100, 100).astype(np.int64),
             true_model=MODELS.index(one.model),
             origin_nm=one.position_mm * NM_PER_MM,
             map_place_mm=one.position_mm,
             scaled_nm=scaled * NM_PER_MM,
         )
 
-    def bias_mm(self, cycle: int) -> NDArray[np.int64]:
-        """Return by how much each radar measures every range too long, mm."""
-        found = self._disturbed.figures("shift", "by_mm", cycle)
-        for vehicle, drift in self._disturbed.hits("drift", cycle).items():
-            found[vehicle] += KINDS.figure(drift, "by_mm") * (cycle - drift.begin + 1)
-        return found.astype(np.int64)
+    def _bias_mm(self, at: Instants) -> NDArray[np.int64]:
+        return self.biases_mm(at.first, len(at.now_nm)).ravel()
 
-    def biases_mm(self, cycles: int) -> NDArray[np.int64]:
-        """Return `bias_mm` of all cycles: array [cycle, vehicle]."""
+    def biases_mm(self, first: int, cycles: int) -> NDArray[np.int64]:
+        """Return by how much each radar measures every range too long, mm: array [cycle, vehicle]."""
         if not self._disturbed.have("shift", "drift"):
-            return np.zeros((cycles, len(self._all)), dtype=np.int64)
-        return np.stack([self.bias_mm(cycle) for cycle in range(cycles)])
+            return np.zeros((cycles, self._vehicles), dtype=np.int64)
+        found = self._disturbed.figures("shift", "by_mm", first, cycles)
+        for drift, which in self._disturbed.each("drift", first, cycles):
+            found[which] += KINDS.figure(drift, "by_mm") * (which // self._vehicles + first - drift.begin + 1)
+        return found.astype(np.int64).reshape(cycles, self._vehicles)
 
-    def _scaled_mm(self, cycle: int, which: Which, range_mm: NDArray[np.int64]) -> NDArray[np.int64]:
+    def _scaled_mm(self, at: Instants, which: Which, range_mm: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return by how much each radar measures its range too long in proportion, mm."""
-        by_ppm = self._disturbed.figures("scale", "by_ppm", cycle)[which]
+        if not self._disturbed.have("scale"):
+            return np.zeros(len(which), dtype=np.int64)
+        by_ppm = self._disturbed.figures("scale", "by_ppm", at.first, len(at.now_nm))[which]
         return np.asarray((range_mm * by_ppm).astype(np.int64) // PPM_PER_ONE, dtype=np.int64)
 
-    def _decoys(self, frames: Frames, cycle: int, paused: NDArray[np.bool_]) -> None:
-        for vehicle, decoy in self._disturbed.hits("decoy", cycle).items():
-            if not paused[vehicle]:
-                model = MODELS.index(KINDS.figure(decoy, "model"))
-                _add_thing(frames, np.array([vehicle]), KINDS.figure(decoy, "by_mm"), model, -5_000)
+    def _decoys(self, frames: Frames, at: Instants, paused: NDArray[np.bool_]) -> None:
+        for decoy, which in self._disturbed.each("decoy", at.first, len(at.now_nm)):
+            model = MODELS.index(KINDS.figure(decoy, "model"))
+            _add_thing(frames, which[~paused[which]], KINDS.figure(decoy, "by_mm"), model, -5_000)
 
     def _clutter(self, frames: Frames, which: Which, at_frame: NDArray[np.int64]) -> None:
         """Add strong echoes of no model, and echoes with a reflector's signature that are too weak."""
-        met = self._draws.shares(which) < self._scene.clutter
+        met = self._draws.shares("clutter", which) < self._scene.clutter
         if not met.any():
             return
         which, at_frame = which[met], at_frame[met]
-        range_mm = between(self._draws, which, 2_000, 150_000).astype(np.int64)
-        strong = self._draws.shares(which) < 0.5
+        range_mm = between(self._draws, "clutter range", which, 2_000, 150_000).astype(np.int64)
+        strong = self._draws.shares("clutter strength", which) < 0.5
         letter = np.where(at_frame % 2 == 0, MODELS.index("A"), MODELS.index("B"))
         model = np.where(strong, MODELS.index(NOWHERE), letter)
         weak_cdb = self._config.minimum_intensity_cdb - 1

@@ -244,6 +244,8 @@ def connected(one: Connection) -> bool:
         ("mqtts://user:secret@broker/fleet", "user or a password"),
         ("mqtt://broker.example/fleet", "only loopback"),
         ("mqtt://localhost:99999/fleet", "no port"),
+        ("mqtt://localhost:0/fleet", "no port"),
+        ("amqp://localhost/fleet", "no broker"),
         ("mqtt://localhost/fleet/+", "no broker"),
         ("mqtt://localhost/#", "no broker"),
         ("mqtt://localhost", "no broker"),
@@ -261,18 +263,59 @@ def test_addresses_that_are_refused(url: str, why: str) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("partitions = 0", "partitions"),
-        ("lease_ms = 1.5", "lease_ms"),
-        ("password = 'x'", "password"),
+        ("partitions = 0", "partitions: Input should be greater than or equal to 1"),
+        ("partitions = 1025", "partitions: Input should be less than or equal to 1024"),
+        ("partitions = '16'", "partitions: Input should be a valid integer"),
+        ("lease_ms = 1.5", "lease_ms: Input should be a valid integer"),
+        ("lease_ms = 499", "lease_ms: Input should be greater than or equal to 500"),
+        ("lease_ms = 600_001", "lease_ms: Input should be less than or equal to 600000"),
+        ("user = ''", "user: String should have at least 1 character"),
+        (f"user = '{'x' * 1_001}'", "user: String should have at most 1000 characters"),
+        ("user = 3", "user: Input should be a valid string"),
+        ("password = 'x'", "password: Extra inputs are not permitted"),
         ("partitions = [", "not TOML"),
-        ("user = 'x'\npassword_file = 'none'", "cannot be read"),
+        ("user = 'x'\npassword_file = 'none'", "none: cannot be read: No such file or directory"),
+        ("user = 'x'\npassword_file = 'long'", "long: longer than 65536 bytes"),
+        ("user = 'x'\npassword_file = 'latin'", "latin: not UTF-8"),
+        ("password_file = 'word'", "a password without a user"),
+        ("password_file = 1", "password_file: Input should be a valid string"),
         ("certificate_file = 'x'", "belong together"),
-        ("authority_file = 'none'", "no certificate or key"),
+        ("key_file = 'x'", "belong together"),
+        ("certificate_file = 'word'\nkey_file = 'word'", "word, word: no certificate or key"),
+        ("authority_file = 'none'", "none: no certificate or key that can be used: No such file or directory"),
+        ("authority_file = 'word'", "word: no certificate or key"),
+        ("authority_file = true", "authority_file: Input should be a valid string"),
     ],
 )
 def test_files_that_are_refused(tmp_path: Path, text: str, why: str) -> None:
     """With the name of what is wrong."""
     path = tmp_path / "broker.toml"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError, match=why):
+    for name, data in (("word", b"secret"), ("long", b"x" * 65_537), ("latin", b"\xe9")):
+        (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=why) as refused:
         read_broker("mqtts://broker/fleet", path, {})
+    assert "secret" not in str(refused.value)
+
+
+def test_keys_that_do_not_fit_are_refused(tmp_path: Path) -> None:
+    """A key of another certificate, and one with a pass phrase, which no process that starts by itself could be asked for."""
+    new = ("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-days", "1", "-subj", "/CN=a")
+    for name in ("own", "other"):
+        made = ("-noenc", "-keyout", f"{name}.key", "-out", f"{name}.pem")
+        subprocess.run(["openssl", *new, *made], cwd=tmp_path, check=True, capture_output=True)
+    hidden = ("ec", "-in", "own.key", "-aes256", "-passout", "pass:secret", "-out", "hidden.key")
+    subprocess.run(["openssl", *hidden], cwd=tmp_path, check=True, capture_output=True)
+    path = tmp_path / "broker.toml"
+    for key, why in (("other", "own.pem, other.key: no certificate or key"), ("hidden", "the key is encrypted")):
+        path.write_text(f"certificate_file = 'own.pem'\nkey_file = '{key}.key'\n", encoding="utf-8")
+        with pytest.raises(InputError, match=why):
+            read_broker("mqtts://broker/fleet", path, {})
+    path.write_text("certificate_file = 'own.pem'\nkey_file = 'own.key'\n", encoding="utf-8")
+    assert read_broker("mqtts://broker/fleet", path, {}).tls is not None
+
+
+def test_a_password_of_the_environment_needs_a_user() -> None:
+    """As one of a file; alone it would be sent to nobody, in silence."""
+    with pytest.raises(InputError, match="a password without a user"):
+        read_broker("mqtts://broker/fleet", None, {"SAFELOC_BROKER_PASSWORD": "x"})
