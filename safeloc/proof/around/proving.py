@@ -29,10 +29,22 @@ from safeloc.proof.around.containment import first_outside
 from safeloc.proof.around.corners import broken_at_corners
 from safeloc.proof.around.course import Course, Space, first_piece
 from safeloc.proof.around.deviations import PARTS, Deviations
-from safeloc.proof.around.members import Empty, Member, emptied, first_unlawful, member
+from safeloc.proof.around.members import Member, emptied, first_unlawful, member
 from safeloc.proof.around.nearest import nearest
+from safeloc.proof.around.shown import Decided, Shown
 from safeloc.proof.around.tube import Given, Tube
-from safeloc.proof.around.windows import OVER, Breaks, Claim, Holds, Observe, Open, Outcome, Windows, breaking
+from safeloc.proof.around.windows import (
+    OVER,
+    Breaks,
+    Claim,
+    Holds,
+    Observe,
+    Open,
+    Outcome,
+    Passage,
+    Windows,
+    breaking,
+)
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
@@ -68,7 +80,12 @@ class Around:
 
     def findings(self) -> list[Finding]:
         """Decide every claim; return one finding of each."""
-        return list(_Run(self).findings())
+        return self.decided().findings
+
+    def decided(self) -> Decided:
+        """Decide every claim; return one finding of each, with what shows them again."""
+        run = _Run(self)
+        return Decided(list(run.findings()), run.witness, run.shown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +104,9 @@ class _Run:
     def __post_init__(self) -> None:
         self.board = _Way(without_ghosts(self.of.system), "for all inputs of the tube, without any law", lawful=False)
         self._began, self._ends = time.monotonic(), deadline(self.of.seconds_in_all)
-        self._members: dict[bool, Member | Empty | None] = {}
+        self.witness: Member | None = None
+        self.shown: dict[Asked, Shown] = {}
+        self._passages: dict[Passage, Shown] = {}
 
     # -------------------------------------------------------------- findings
 
@@ -102,6 +121,8 @@ class _Run:
                 found |= dict.fromkeys(lawful, (empty, "windows"))
         left = [one for one in self.of.asked if one not in found]
         for asked, outcome, words in self._decided(left, self._tube(PARTS)):
+            if isinstance(outcome, Holds) and outcome.passage is not None:
+                self.shown[asked] = self._passages[outcome.passage]
             found[asked] = self._result(asked, outcome, words)
         return [self._finding(one, *found[one]) for one in self.of.asked]
 
@@ -281,6 +302,10 @@ class _Run:
         outcomes = Windows(
             space, list(claims.values()), self.of.limits, watched=self.of.watched, ends=self._ends
         ).outcomes()
+        facts = base(way.system, seconds=self.of.limits.seconds).certificates if way.lawful else {}
+        for outcome in outcomes.values():
+            if isinstance(outcome, Holds) and outcome.passage is not None:
+                self._passages[outcome.passage] = Shown(way.lawful, asked, outcome.passage, facts)
         return {one: outcomes[claim] for one, claim in claims.items()}
 
     def _space(self, way: _Way, asked: Sequence[Asked], tube: Tube) -> tuple[Space, dict[Asked, Claim]]:
@@ -320,12 +345,14 @@ class _Run:
         system = self.of.system
         recorded = self._recorded()
         if recorded is not None and first_unlawful(system, recorded) is None:
+            self.witness = recorded
             return None
         length = self.of.given.length
         widths = self.of.deviations.widths
         for deviations in (Deviations(dict.fromkeys(widths, 0)), self.of.deviations):
             tube = Tube(system, self.of.given, deviations)
-            if member(Space(system, tube), self.of.limits, length) is not None:
+            self.witness = member(Space(system, tube), self.of.limits, length)
+            if self.witness is not None:
                 return None
         empty = emptied(Space(system, self._tube(PARTS)), self.of.limits)
         if empty is None:
