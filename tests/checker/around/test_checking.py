@@ -215,7 +215,7 @@ def test_a_claim_that_is_broken(tmp_path: Path) -> None:
     lines = run.read_text().splitlines(keepends=True)
     run.write_text("".join(lines[:-1]))
     assert "does not break the claim in its last cycle" in of_claim(check_around(folder, jobs=1), claim)[1]
-    run.write_text("".join([lines[0], lines[1].replace('"distance_mm": 10', '"distance_mm": 11'), *lines[2:]]))
+    run.write_text("".join([lines[0], lines[1].replace('"distance_mm": 10', '"distance_mm": 9'), *lines[2:]]))
     assert "leaves the tube in cycle 1" in of_claim(check_around(folder, jobs=1), claim)[1]
 
 
