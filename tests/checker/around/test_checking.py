@@ -101,6 +101,7 @@ def test_a_certificate_that_is_damaged(copy: Path) -> None:
         check_around(copy)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_hand_over_that_is_widened(copy: Path, which: int) -> None:
     """From wider states the claim, or the next hand-over, does not follow."""
@@ -152,6 +153,7 @@ def test_windows_that_are_left_out(copy: Path) -> None:
     assert (WRONG, CONFIRMED) == (of_claim(found, "place_mm <= 599")[0], of_claim(found, APART)[0])
 
 
+@pytest.mark.thorough
 def test_windows_in_another_order(copy: Path) -> None:
     """A hand-over before the one before it is refused."""
 
@@ -219,6 +221,7 @@ def test_a_claim_that_is_broken(tmp_path: Path) -> None:
     assert "leaves the tube in cycle 1" in of_claim(check_around(folder, jobs=1), claim)[1]
 
 
+@pytest.mark.thorough
 def test_late_and_missing_values(tmp_path: Path) -> None:
     """The checker has its own form of losses and delays."""
     ways = AroundOptions(delay=["distance_mm=2", "fix_mm=1"], within=["distance_mm=1"])
@@ -226,6 +229,7 @@ def test_late_and_missing_values(tmp_path: Path) -> None:
     assert [CONFIRMED] * 2 == answers(folder)
 
 
+@pytest.mark.thorough
 def test_a_law_that_is_left_out(tmp_path: Path) -> None:
     """The certificate names it; with all laws it is about another question, for which the run is not lawful or is."""
     options = AroundOptions(within=["distance_mm=2"], without=["the vehicle is slow"], claims=[APART])
