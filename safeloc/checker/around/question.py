@@ -65,7 +65,7 @@ class Given:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """What a certificate is about.
+    """A question that a certificate answers.
 
     system  the machine with its world, without the laws that are left out
     data    the certificate as it was read

@@ -1,4 +1,4 @@
-"""What each cycle of a tube allows, as nodes: variables with bounds, and conditions on them.
+"""The inputs that each cycle of a tube allows, as nodes: variables with bounds, and conditions on them.
 
 It follows the definition of the tube (docs/around.md) and not the terms by which provers run it: a message of a channel has its
 number as a variable, and each input of it is a variable that the number ties to what was sent.

@@ -50,7 +50,7 @@ class Stretch:
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """What all stretches of a passage share.
+    """Everything that the stretches of a passage share.
 
     system    with the observers of all claims
     facts     nodes over state that hold in every state

@@ -1,4 +1,4 @@
-"""What is asked of one journey: declared properties, and claims of a user's own."""
+"""Claims about one journey: declared properties, and claims of a user's own."""
 
 from __future__ import annotations
 

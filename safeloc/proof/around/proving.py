@@ -16,14 +16,14 @@ from dataclasses import dataclass, field, replace
 
 from safeloc.errors import EngineError
 from safeloc.language.expr import TRUE, Var, all_of
-from safeloc.language.first_values import Any_
-from safeloc.language.interpret import holds, named, start, step, taken
+from safeloc.language.interpret import holds, start, step
 from safeloc.language.nodes import Value
-from safeloc.language.spec import Goal, Property, observe, watch
-from safeloc.language.system import TransitionSystem, environment, first_without_the_world, without_ghosts
+from safeloc.language.spec import Property, observe, watch
+from safeloc.language.system import TransitionSystem, first_without_the_world, without_ghosts
 from safeloc.language.terms import variables
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
+from safeloc.proof.around.broken_runs import broken_run, first_of, open_first
 from safeloc.proof.around.claims import Asked
 from safeloc.proof.around.containment import first_outside
 from safeloc.proof.around.corners import broken_at_corners
@@ -155,7 +155,7 @@ class _Run:
             return result
         watching = replace(asked.prop, name="there", term=~asked.there)
         goal, judged = observe(system, watching), range(asked.first, (asked.last or self.of.given.length) + 1)
-        state = start(goal.system, _open_first(goal.system, self.of.given.first))
+        state = start(goal.system, open_first(goal.system, self.of.given.first))
         for cycle, row in enumerate(self.of.given.rows, 1):
             state, _ = step(goal.system, state, {var: row[var] for var in goal.system.inputs})
             if cycle in judged and not holds(goal.good, state):
@@ -316,7 +316,7 @@ class _Run:
         restarts: dict[int, dict[Var, Value]] = {}
         for one, goal in goals.items():
             if one.first > 1:
-                restarts.setdefault(one.first - 1, {}).update(_first_of(goal))
+                restarts.setdefault(one.first - 1, {}).update(first_of(goal))
         made = Tube(way.system, tube.given, tube.deviations if way.lawful else _on_board(tube.deviations, way.system))
         return Space(watched.system, made, facts, restarts), claims
 
@@ -372,7 +372,7 @@ class _Run:
             return None
         choices = given.choices or [{} for _ in given.rows]
         ghosts = given.ghosts[0] if given.ghosts else {}
-        first = start(system, _open_first(system, {**given.first, **ghosts}))
+        first = start(system, open_first(system, {**given.first, **ghosts}))
         return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=True)])
 
     # -------------------------------------------------------------- replay
@@ -388,46 +388,12 @@ class _Run:
             raise EngineError(
                 f"a stream that breaks {asked.prop.name!r} leaves the tube in cycle {outside}; report this."
             )
-        return _broken_run(goal, asked, way, found)
+        return broken_run(goal, asked, way.system, found)
 
 
 def _last(asked: Sequence[Asked], tube: Tube) -> int:
     """Return the last cycle in which one of the claims is judged."""
     return max(tube.length if one.last is None else min(one.last, tube.length) for one in asked)
-
-
-def _broken_run(goal: Goal, asked: Asked, way: _Way, found: Breaks) -> Trace:
-    hidden = frozenset(goal.observers)
-    state = start(goal.system, _open_first(goal.system, {**found.first, **_first_of(goal)}))
-    first, steps = named(state, hidden), []
-    broken = asked.first == 0 and not holds(goal.good, state)
-    rows = [{var.name: row[var] for var in goal.system.inputs} for row in found.stream]
-    condition = environment(goal.system)
-    for cycle, row in enumerate(rows, 1):
-        if broken:
-            raise EngineError(f"{asked.prop.name!r} is broken before cycle {cycle} already; report this.")
-        made = list(taken(goal.system, state, [row], while_=condition, hidden=hidden))
-        if not made:
-            raise EngineError(f"a stream that breaks {asked.prop.name!r} breaks a law in cycle {cycle}; report this.")
-        [(one, state)] = made
-        steps.append(one)
-        if cycle == asked.first - 1:
-            state = {**state, **_first_of(goal)}
-        broken = asked.first <= cycle and not holds(goal.good, state)
-    if not broken:
-        raise EngineError(f"the stream that is to break {asked.prop.name!r} does not; report this.")
-    return Trace(way.system, first, tuple(steps))
-
-
-def _first_of(goal: Goal) -> dict[Var, Value]:
-    """Return the observers of a goal with their first values."""
-    values = {var: goal.system.initial[var] for var in goal.observers}
-    return {var: value for var, value in values.items() if isinstance(value, (bool, int))}
-
-
-def _open_first(system: TransitionSystem, values: Mapping[Var, Value]) -> dict[str, Value]:
-    """Return the values of variables whose first value is open, by name."""
-    return {var.name: values[var] for var in system.state if isinstance(system.initial[var], Any_) and var in values}
 
 
 def _plain(prop: Property) -> Property:

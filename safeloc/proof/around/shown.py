@@ -1,4 +1,4 @@
-"""How the claims about a stream were decided, as plain data: from it a checker shows every window again.
+"""Decisions about the claims of a stream, as plain data: from it a checker shows every window again.
 
 The hand-over sets alone are told, with the names of their variables. What was folded or asked on the way is not: the checker
 makes the cycles of each window anew from the declaration, the stream and the deviations.
@@ -21,7 +21,7 @@ from safeloc.proof.results import Finding
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """How a claim was shown to hold: the claims that were run together, with or without the world, from hand-over to hand-over.
+    """A claim that was shown to hold: the claims that were run together, with or without the world, from hand-over to hand-over.
 
     facts  certificates of what is proved of every state of the machine with its world
     """
