@@ -79,7 +79,7 @@ def _ghosts_near(of: Question, state: Row, cycle: int) -> bool:
 
 def _alone_near(of: Question, row: Row, number: int, system: TransitionSystem, lanes: set[str]) -> bool:
     """Return whether all inputs that are on no channel are near those given in the same cycle."""
-    owner = {option.present: option.value for option in of.system.optionals}
+    owner: dict[Var, Var] = {option.present: option.value for option in of.system.optionals}
     for var in system.inputs:
         if owner.get(var, var).name in lanes:
             continue

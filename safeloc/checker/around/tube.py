@@ -84,7 +84,7 @@ class Tube:
         node, name = self.write(var), f"{var.name}@{number}"
         if var in self.system.ghosts:
             bounds = bounds_of(var)
-            if bounds is not None and var.name in self.widths:
+            if isinstance(var, NumVar) and var.name in self.widths:
                 bounds = near(var, int(self.given.choices[number - 1][var]), self.widths[var.name])
             made.inputs[node] = free(folding, name, bounds)
             return

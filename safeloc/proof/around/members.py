@@ -42,7 +42,7 @@ class Empty:
 def as_steps(system: TransitionSystem, found: Member) -> tuple[dict[str, Value], list[dict[str, Value]]]:
     """Return the first values of open variables and the inputs of each cycle by name, as a recording holds them."""
     first = {var.name: found.first[var] for var in system.state if isinstance(system.initial[var], Any_)}
-    present = {one.value: one.present for one in system.optionals}
+    present: dict[Var, Var] = {one.value: one.present for one in system.optionals}
     flags = set(present.values())
     steps = [
         {var.name: row[var] for var in system.inputs if var not in flags and (var not in present or row[present[var]])}
