@@ -240,3 +240,22 @@ def test_a_law_that_is_left_out(tmp_path: Path) -> None:
         data["without"] = ["the step is measured"]
 
     assert of_claim(edited(folder, other), APART)[0] == WRONG
+
+
+def test_a_claim_that_holds_of_all_lawful_streams(tmp_path: Path) -> None:
+    """Its certificates are those of the general proof, and are checked as those of a report; one that is damaged is refused."""
+    text = NEAR.read_text(encoding="utf-8") + (
+        "\n\nfrom safeloc.language.spec import always\n\n"
+        'properties = [always("the truth stays on the line", truth <= LINE_MM, statement="It does.")]\n'
+    )
+    (tmp_path / "near.py").write_text(text, encoding="utf-8")
+    folder, store = tmp_path / "out", Store(tmp_path / "cache")
+    proving = Proving(None, None, Limits(), store, quiet=True)
+    options = AroundOptions(simulate="seed=0", within=["distance_mm=1"], out=folder)
+    assert prove_around(f"{tmp_path / 'near.py'}:machine", options, proving) == 0
+    data = json.loads((folder / "around.json").read_text())
+    assert data["claims"][0]["passage"] is None
+    assert [CONFIRMED] == answers(folder)
+    for path in (folder / "certificates").iterdir():
+        path.write_text(path.read_text().replace("(assert", "; (assert", 1))
+    assert [WRONG] == answers(folder)
