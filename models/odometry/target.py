@@ -11,7 +11,7 @@ from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.properties import odometry as claims
 from safeloc.properties.odometry import faults
 from safeloc.reported import Reported
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: OdometryConfig) -> Target:
@@ -39,5 +39,12 @@ ENTRIES = (
         Family.ODOMETRY,
         place=10,
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("rate beside constant", "first_unit.constant_mm:down", "first_unit.rate_ppm:up"),
+            Pair("constant beside rate", "first_unit.rate_ppm:down", "first_unit.constant_mm:up"),
+            Pair("creep beside rate", "first_unit.rate_ppm:down", "first_unit.floor_mm_s:up"),
+            Pair("drift beside constant", "first_unit.constant_mm:down", "first_unit.drift_mm_s2:up"),
+            Pair("constant beside accuracy of markers", "marker_accuracy_mm:down", "first_unit.constant_mm:up"),
+        ),
     ),
 )

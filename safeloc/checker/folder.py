@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import multiprocessing
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from safeloc.catalogue import load_target
 from safeloc.checker.answer import NO_PROOF, OPEN, WRONG
 from safeloc.checker.claims import Claims, Goals
 from safeloc.checker.dag import Dag
+from safeloc.checker.loading import declared
 from safeloc.checker.rules import Theory
 from safeloc.checker.run_checks import Occurrences
 from safeloc.checker.solve import NONE, Opinion, Opinions
 from safeloc.checker.text import Certificate, read
 from safeloc.errors import InputError, SafelocError
-from safeloc.language.digest import full_digest
 from safeloc.report import certificates, stored
 from safeloc.runtime.streams.columns import Runs as KeptRuns
 from safeloc.runtime.streams.columns import read_runs
@@ -158,7 +155,7 @@ def _check_machine(number: int) -> Checking:
     rows = [row for row in data["results"] if row["machine"] == machine["name"]]
     try:
         file = folder / stored.TRACES / stored.runs_files(data)[machine["name"]]
-        check_target(_declared(machine), rows, texts, _StoredRuns(file), found)
+        check_target(declared(machine), rows, texts, _StoredRuns(file), found)
     except SafelocError as error:
         why = f"its declaration cannot be loaded: {error}"
         found.assigned.update(_of(machine["name"], texts))
@@ -180,22 +177,6 @@ class _StoredRuns:
         return None if self._runs is None or result not in self._runs else self._runs.stream(result)
 
 
-def _declared(machine: Mapping[str, Any]) -> Target:
-    """Load the target of the report, with the report's configuration; InputError if its declaration has changed."""
-    configuration = machine.get("configuration")
-    with tempfile.TemporaryDirectory() as place:
-        path = Path(place, "configuration.json") if configuration is not None else None
-        if path is not None:
-            path.write_text(json.dumps(configuration), encoding="utf-8")
-        target = load_target(machine["spec"], path)
-    if full_digest(target.system) != machine["declaration"]:
-        raise InputError(
-            f"{machine['spec']}: the declaration has another digest than in the report; verify it again, or check with the "
-            "version of safeloc that made the report."
-        )
-    return target
-
-
 def check_target(
     target: Target,
     rows: Sequence[Mapping[str, Any]],
@@ -206,13 +187,17 @@ def check_target(
     """Check the results of one target, and add the answers to `found`, which has the solvers' answers about all texts."""
     goals = Goals(target)
     theory = Theory(target.system, goals)
-    names = _of(target.name, texts)
-    taken = [one for name in names if (one := _usable(name, texts, theory, found)) is not None]
-    found.assigned.update(names)
-    found.wrong |= theory.take(taken)
+    take_usable(_of(target.name, texts), texts, theory, found)
     claimed = frozenset(str(row["id"]) for row in rows)
     claims = Claims(target, goals, theory, Occurrences(target, theory.write, run, claimed), claimed)
     found.rows += [_checked(row, claims, texts, found) for row in rows]
+
+
+def take_usable(names: Sequence[str], texts: Mapping[str, str], theory: Theory, found: Checking) -> None:
+    """Let a theory establish what certificates show whose goals both solvers confirm."""
+    taken = [one for name in names if (one := _usable(name, texts, theory, found)) is not None]
+    found.assigned.update(names)
+    found.wrong |= theory.take(taken)
 
 
 def _of(system: str, texts: Mapping[str, str]) -> list[str]:

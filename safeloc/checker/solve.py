@@ -74,13 +74,16 @@ class Opinions:
         self._solvers: Mapping[str, _Solver] = {"z3": _Z3(dag), "cvc5": _Cvc5(dag)}
         self._asked: dict[tuple[frozenset[int], tuple[int, ...]], dict[str, Answers]] = {}
 
-    def __call__(self, one: Certificate, text: str) -> Opinion:
-        """Return the answers of all solvers; certificates with equal hypotheses and goals are asked once."""
+    def __call__(self, one: Certificate, text: str | None) -> Opinion:
+        """Return the answers of all solvers; certificates with equal hypotheses and goals are asked once.
+
+        text  what yices reads; without one it is not asked
+        """
         key = (one.hypotheses, one.goals)
         if key not in self._asked:
             self._asked[key] = {name: self._answers_or_why(name, one) for name in self._solvers}
         most_s = min(self._seconds, _YICES_SECONDS)
-        more = {} if yices.program() is None else {"yices": yices.answers(text, most_s, most_s)}
+        more = {} if text is None or yices.program() is None else {"yices": yices.answers(text, most_s, most_s)}
         return Opinion({**self._asked[key], **more})
 
     def _answers_or_why(self, name: str, one: Certificate) -> Answers:

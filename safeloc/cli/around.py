@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from safeloc.cli.around_folder import drawn, write_folder
+from safeloc.cli.around_folder import drawn, write_certificate, write_folder
 from safeloc.cli.around_question import asked, figures, general, laws
 from safeloc.cli.around_stream import given_stream
 from safeloc.cli.console import err
@@ -17,6 +17,7 @@ from safeloc.proof.around.bands import Bands
 from safeloc.proof.around.deviations import deviations
 from safeloc.proof.around.given import Recorded, recorded
 from safeloc.proof.around.proving import Around
+from safeloc.proof.around.shown import decided_data
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cores.clauses import without
 from safeloc.proof.provers.limits import Limits
@@ -94,10 +95,12 @@ def prove_around(target: str, options: AroundOptions, proving: Proving) -> int:
         (lambda _: None) if proving.quiet else _say,
         math.inf if options.timeout is None else options.timeout,
     )
-    findings = around.findings()
+    decided = around.decided()
     if options.out is not None:
-        write_folder(options.out, loaded, run, bands, findings, quiet=proving.quiet)
-    return result(findings, [loaded], as_json=proving.quiet)
+        write_folder(options.out, loaded, run, bands, decided.findings, quiet=proving.quiet)
+        question = decided_data(decided, wanted, near, options.without)
+        write_certificate(options.out, loaded, (name, stream), question, decided)
+    return result(decided.findings, [loaded], as_json=proving.quiet)
 
 
 def _require_truth(loaded: Target, run: Recorded, within: Sequence[str], name: str) -> None:

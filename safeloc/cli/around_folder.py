@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from safeloc.catalogue import ENTRIES
 from safeloc.cli.console import err
 from safeloc.errors import InputError
+from safeloc.language.digest import full_digest
 from safeloc.language.expr import Num
 from safeloc.language.first_values import ANY
 from safeloc.language.verdict import Proved, Violated
+from safeloc.language.written_claims import signals
 from safeloc.proof.around.bands import Bands, recorded_series
-from safeloc.proof.around.claims import Asked, signals
+from safeloc.proof.around.claims import Asked
 from safeloc.proof.around.given import Recorded
+from safeloc.proof.around.members import as_steps
+from safeloc.proof.around.shown import Decided
 from safeloc.proof.results import Finding
 from safeloc.report.around import deviation_picture, tube_picture
 from safeloc.report.file_names import file_names
-from safeloc.runtime.streams.steps import write_steps
+from safeloc.report.machines import configuration_of
+from safeloc.runtime.streams.steps import StepStream, write_steps
 from safeloc.target import Target
 
 
@@ -29,13 +37,18 @@ def drawn(loaded: Target, asked: Sequence[Asked], within: Sequence[str]) -> list
     return [name for name in names if isinstance(known.get(name), Num)]
 
 
+CERTIFICATES, CERTIFICATE, GIVEN, LAWFUL = "certificates", "around.json", "given.jsonl", "lawful.jsonl"
+"""The folder of texts; the certificate of the whole question, the stream that was given, and a lawful stream of the tube."""
+SCHEMA = "safeloc-around/1"
+
+
 def write_folder(
     folder: Path, loaded: Target, run: Recorded, bands: Bands, findings: Sequence[Finding], *, quiet: bool
 ) -> None:
     """Write a picture of each signal, the stream of each violation, and the certificates."""
     broken = [len(one.result.trace.steps) for one in findings if isinstance(one.result, Violated) and one.result.trace]
     try:
-        (folder / "certificates").mkdir(parents=True, exist_ok=True)
+        (folder / CERTIFICATES).mkdir(parents=True, exist_ok=True)
         pictures = file_names(list(bands.names))
         for name in bands.names:
             term = signals(loaded.system)[name]
@@ -50,6 +63,49 @@ def write_folder(
         files = file_names([one.id.rpartition("/")[2] for one in findings])
         for one in findings:
             _write_evidence(folder / files[one.id.rpartition("/")[2]], loaded, one, quiet=quiet)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written: {error}") from error
+
+
+def write_certificate(
+    folder: Path, loaded: Target, given: tuple[str, StepStream], question: Mapping[str, Any], decided: Decided
+) -> None:
+    """Write what `safeloc recheck` reads: the question, the streams, and the sets of states that were handed over.
+
+    given     the stream and its name
+    question  what is asked and what decides it, as data (`decided_data`)
+    """
+    name, stream = given
+    files = file_names([one.id.rpartition("/")[2] for one in decided.findings])
+    try:
+        write_steps(folder / GIVEN, stream.steps, machine=loaded.name, first=stream.first)
+        if decided.witness is not None:
+            first, steps = as_steps(loaded.system, decided.witness)
+            write_steps(folder / LAWFUL, steps, machine=loaded.name, first=first)
+        for shown in decided.shown.values():
+            for file, text in shown.facts.items():
+                (folder / CERTIFICATES / file).write_text(text, encoding="utf-8")
+        runs = [f"{files[one['id'].rpartition('/')[2]]}.jsonl" for one in question["claims"]]
+        claims = [
+            {**one, "run": run if one["verdict"] == "violated" else None}
+            for one, run in zip(question["claims"], runs, strict=True)
+        ]
+        data = {
+            "schema": SCHEMA,
+            "name": loaded.name,
+            "spec": loaded.spec,
+            "configuration": configuration_of(loaded),
+            "declaration": full_digest(loaded.system),
+            "stream": {
+                "name": name,
+                "file": GIVEN,
+                "digest": hashlib.sha256((folder / GIVEN).read_bytes()).hexdigest(),
+            },
+            "witness": None if decided.witness is None else LAWFUL,
+            **question,
+            "claims": claims,
+        }
+        (folder / CERTIFICATE).write_text(json.dumps(data) + "\n", encoding="utf-8")
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error}") from error
 
@@ -75,7 +131,7 @@ def _write_evidence(file: Path, loaded: Target, finding: Finding, *, quiet: bool
                 )
         case Proved(certificates=texts):
             for name, text in texts.items():
-                (file.parent / "certificates" / name).write_text(text, encoding="utf-8")
+                (file.parent / CERTIFICATES / name).write_text(text, encoding="utf-8")
         case _:
             pass
 

@@ -43,7 +43,7 @@ def machine_data(target: Target) -> dict[str, Any]:
         "state_variables": len(system.state),
         "inputs": len(system.inputs),
         "transitions": sum(len(machine.transitions) for machine in target.machines),
-        "configuration": _configuration(target),
+        "configuration": configuration_of(target),
         "figures": [] if target.config is None else list(figures(target.config)),
         "reported": None if target.reported is None else _interval(target.reported),
         "signals": {name: _signal(term) for name, term in signals.items()},
@@ -80,7 +80,7 @@ def _interval(reported: Reported) -> dict[str, Any]:
     return {name: value for name, value in asdict(reported).items() if name != "tracks"}
 
 
-def _configuration(target: Target) -> Any:
+def configuration_of(target: Target) -> Any:
     """Return the machine's configuration, from which it can be rebuilt; dates in a user's file become text."""
     if target.config is not None:
         return target.config.model_dump(mode="json")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -12,6 +12,7 @@ from safeloc.assurance.margins.moved_world import MovedWorld, in_world_of
 from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import InputError
+from safeloc.language.interpret import taken
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property, observe
@@ -31,6 +32,8 @@ Where = Literal["world", "design"]
 UNMOVED = "nothing in the world depends on it"
 _ALONG_SHARE, _QUICK_SHARE = 0.3, 0.2
 """Shares of a claim's limit for a run along the way of another one, and for a first short search."""
+_KNOWN_SHARE = 0.1
+"""Share of a claim's limit for a run along the way of one that is known."""
 _QUICK_STEPS = 5
 """Steps of the runs of the short search."""
 
@@ -49,6 +52,15 @@ class Answer:
     why: str = ""
     first: Mapping[str, Value] | None = None
     inputs: tuple[Mapping[str, Value], ...] = ()
+
+
+@dataclass(frozen=True)
+class Way:
+    """A run that broke a claim at some values: its first state, and the inputs of every cycle."""
+
+    claim: str
+    first: Mapping[str, Value]
+    inputs: tuple[Mapping[str, Value], ...]
 
 
 _Values = tuple[tuple[str, int], ...]
@@ -78,6 +90,7 @@ class Asking:
         limits: Limits,
         only: Iterable[str] = (),
         rests_on: Mapping[str, RestsOn | None] | None = None,
+        ways: Sequence[Way] = (),
     ) -> None:
         self._target, self._where, self._limits = target, where, limits
         self._only, self._rests_on = frozenset(only), rests_on or {}
@@ -85,7 +98,7 @@ class Asking:
         self._runs: dict[_Values, _Run] = {}
         self._made: dict[_Values, Target | str] = {}
         self._worlds: dict[_Values, MovedWorld] = {}
-        self._broke_last = HOLDS
+        self._broke_last, self._ways = HOLDS, ways
 
     def refusal(self, values: Mapping[str, int]) -> str:
         """Return the reason why the machine cannot be made at these values; "" if it can."""
@@ -111,6 +124,42 @@ class Asking:
             if isinstance(run, Trace):
                 self._answers[key] = self._broken(first, run, key)
         return key in self._answers and self._answers[key].end == "broken"
+
+    def along_known(self, values: Mapping[str, int]) -> bool:
+        """Return whether a run breaks a claim at these values along the way of a run that broke one at other figures.
+
+        Figures of one law are broken in one way, so that this is often the quickest answer.
+        """
+        key = _key(values)
+        if key in self._answers:
+            return self._answers[key].end == "broken"
+        asked = self._claims_at(key)
+        if isinstance(asked, Answer):
+            return False
+        system, every = asked
+        by_name = {prop.name: prop for prop in every}
+        for way in self._ways:
+            prop = by_name.get(way.claim)
+            trace = None if prop is None else self._run_of(way)
+            if prop is not None and trace is not None:
+                goal = observe(system, replace(prop, kept_by=None))
+                run = along(goal, trace, self._share(_KNOWN_SHARE))
+                if run is not None:
+                    self._answers[key] = self._broken(prop, run, key)
+                    return True
+        return False
+
+    def _run_of(self, way: Way) -> Trace | None:
+        """Return the run of a way; None where this machine does not take its inputs."""
+        system = self._target.system
+        values = {var: way.first[var.name] for var in system.state if var.name in way.first}
+        if len(values) < len(system.state):
+            return None
+        try:
+            steps = tuple(step for step, _ in taken(system, values, way.inputs))
+        except InputError:
+            return None
+        return Trace(system, dict(way.first), steps)
 
     def along(self, values: Mapping[str, int], broken_at: Mapping[str, int]) -> bool:
         """Return whether a run breaks a claim at these values along the way of the run that breaks it at others.

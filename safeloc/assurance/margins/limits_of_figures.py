@@ -53,7 +53,7 @@ def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[s
         beyond = figure.value + search.sign
         return Limit(figure, direction, figure.value, Answer("refused", why=search.refusal(beyond)), beyond)
     beside = figure.value + search.sign
-    if search.quickly(beside):
+    if search.along_known(beside) or search.quickly(beside):
         return Limit(figure, direction, figure.value, search.answer(beside), beside)
     if search.answer(admitted).end == "proved":
         return search.at_the_end(admitted)
@@ -76,6 +76,16 @@ def nearest(good: int, bad: int, is_good: Callable[[int], bool], most: int = 64)
     return good, bad
 
 
+def _bracket(most: int, none_at: Callable[[int], bool]) -> tuple[int, int]:
+    """Return two distances, of which the second is at most twice the first (or 1): nothing is found at the first, and at the second it is.
+
+    The doublings of 1 are halved, not the distance: mostly a run breaks a claim very near, or far away. 0 stands for the good value.
+    """
+    doublings = [0, *(1 << power for power in range(max(most - 1, 0).bit_length())), most]
+    low, high = nearest(0, len(doublings) - 1, lambda place: none_at(doublings[place]))
+    return doublings[low], doublings[high]
+
+
 class _Search:
     """The answers along one figure."""
 
@@ -96,6 +106,10 @@ class _Search:
     def quickly(self, value: int) -> bool:
         """Return whether a short search finds a run at this value."""
         return self._asking.quickly(self._at(value))
+
+    def along_known(self, value: int) -> bool:
+        """Return whether a run breaks a claim at this value along the way of one that is known."""
+        return self._asking.along_known(self._at(value))
 
     def _at(self, value: int) -> dict[str, int]:
         return {**self._fixed, self._figure.name: value}
@@ -148,9 +162,8 @@ class _Search:
             best = value if found else best
             return not found
 
-        if abs(bad - good) > 1 and not none_at(good + self.sign):
-            return best
-        return nearest(good, bad, none_at)[1]
+        near, far = _bracket(abs(bad - good), lambda distance: none_at(good + self.sign * distance))
+        return nearest(good + self.sign * near, good + self.sign * far, none_at)[1]
 
 
 class _Tries:

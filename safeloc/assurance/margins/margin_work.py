@@ -9,7 +9,7 @@ from typing import Any, get_args
 from safeloc.assurance.evidence.interval import claims_of
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
 from safeloc.assurance.margins import rests_on
-from safeloc.assurance.margins.asking import Answer, Asking, Where
+from safeloc.assurance.margins.asking import Answer, Asking, Way, Where
 from safeloc.assurance.margins.figures import Figure
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit
 from safeloc.assurance.margins.makers import maker_digest
@@ -28,6 +28,8 @@ _PATIENCE, _QUESTIONS_AS_IT_IS = 3, 20
 """Multiple of the limit for a claim with the figures as they are, and questions with the plain limit that the clock allows for there."""
 _QUESTIONS = 60
 """Questions of one search that the clock allows for; a search over a range of 2**31 asks some 50."""
+_MOST_WAYS = 4
+"""Runs that are tried for a figure before anything is searched."""
 POINTS = 8
 """Points of the front of two figures, besides its ends."""
 
@@ -40,6 +42,7 @@ class Margins:
     claims  names of the claims that have to hold
     limits  bounds of the provers, for each claim at each value
     rests_on  what of the world each claim rests on, once `as_it_is` has told it
+    ways    runs that ended limits found so far
     """
 
     target: Target
@@ -50,10 +53,19 @@ class Margins:
     look_in: Store | None = None
     keep_in: Store | None = None
     rests_on: dict[str, RestsOn | None] = field(default_factory=dict)
+    ways: list[Way] = field(default_factory=list)
 
     def asking(self) -> Asking:
         """Return one who asks about the target."""
-        return Asking(self.target, self.where, self.limits, self.claims, self.rests_on)
+        return Asking(self.target, self.where, self.limits, self.claims, self.rests_on, self.ways)
+
+    def learn(self, found: Limit) -> None:
+        """Keep the run that ends a limit for searches that begin later: the last ones, of each claim and length one."""
+        if found.end.end == "broken" and found.end.first is not None:
+            like = [
+                one for one in self.ways if (one.claim, len(one.inputs)) != (found.end.claim, len(found.end.inputs))
+            ]
+            self.ways[:] = [Way(found.end.claim, found.end.first, found.end.inputs), *like][:_MOST_WAYS]
 
     def as_it_is(self) -> Iterator[tuple[str, str]]:
         """Yield each claim with its verdict with the figures as they are; without all of them proved there is no margin to find.
@@ -92,7 +104,9 @@ class Margins:
         for name, found in self._worked(pieces):
             figure, way = pieces[name]
             lost = Limit(figure, way, figure.value, Answer("undecided", why="the search ran out of time"), None)
-            yield lost if isinstance(found, Lost) else from_data(found)
+            one = lost if isinstance(found, Lost) else from_data(found)
+            self.learn(one)
+            yield one
 
     def _worked(self, pieces: Mapping[str, tuple[Figure, Direction]]) -> Iterator[tuple[str, Any | Lost]]:
         def batches(left: Sequence[str]) -> list[Batch]:

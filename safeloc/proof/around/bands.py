@@ -12,7 +12,7 @@ from safeloc.language.ranges import Bounds
 from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace, present_inputs
 from safeloc.language.units import Enumeration
-from safeloc.proof.around.claims import signals
+from safeloc.language.written_claims import signals
 from safeloc.proof.around.course import Course
 
 

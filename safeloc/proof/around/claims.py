@@ -1,16 +1,13 @@
-"""Claims of a user's own about one journey, written as text."""
+"""Claims about one journey: declared properties, and claims of a user's own."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from safeloc.language.absence import stand_in_of
-from safeloc.language.expr import Bool, Expr, Num, all_of
-from safeloc.language.expressions import condition
-from safeloc.language.spec import Property, always
+from safeloc.language.expr import Bool
+from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem
-from safeloc.proof.around.deviations import inputs_of
+from safeloc.language.written_claims import read_claim
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,26 +27,5 @@ class Asked:
 
 def written_claim(system: TransitionSystem, text: str, first: int, last: int | None) -> Asked:
     """Return a claim as a property of the machine. InputError for a text that is no condition over its variables."""
-    written = condition(text, signals(system))
-    there = all_of(_there(system, written.names))
-    prop = always(text.strip(), there.implies(written.term), statement=text.strip())
-    return Asked(prop, first, last, own=True, reads=written.names, there=there)
-
-
-def signals(system: TransitionSystem) -> dict[str, Expr]:
-    """Return what a claim may name: inputs, ghosts, state, outputs; of two with one name the later in this list."""
-    choices = {var.name: var for var in system.inputs if var in system.ghosts}
-    return {**inputs_of(system), **choices, **{var.name: var for var in system.state}, **system.outputs}
-
-
-def _there(system: TransitionSystem, names: tuple[str, ...]) -> Iterator[Bool]:
-    """Yield the conditions under which inputs and outputs of these names are not absent."""
-    known: Mapping[str, Expr] = signals(system)
-    present = {one.value: one.present for one in system.optionals}
-    for name in names:
-        term = known[name]
-        number = stand_in_of(term) if name in system.outputs else None
-        if number is not None and isinstance(term, Num):
-            yield term.ne(number)
-        elif term in present:
-            yield present[term]  # type: ignore[index] # a key of `present` is a variable
+    read = read_claim(system, text)
+    return Asked(read.prop, first, last, own=True, reads=read.reads, there=read.there)

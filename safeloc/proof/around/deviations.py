@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.errors import InputError
-from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.expr import BoolVar, NumVar
 from safeloc.language.renamed import hint
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import Enumeration
+from safeloc.language.written_claims import inputs_of
 
 PARTS = 1000
 """A factor on all widths is a whole number of these parts."""
@@ -84,12 +85,6 @@ def deviations(
         _check_channel(system, channel)
     _refuse_overlap(channels)
     return Deviations(dict(widths), tuple(channels))
-
-
-def inputs_of(system: TransitionSystem) -> dict[str, Var]:
-    """Return the inputs on board by name, without presence flags."""
-    flags = {option.present for option in system.optionals}
-    return {var.name: var for var in system.inputs if var not in flags and var not in system.ghosts}
 
 
 def _check_width(system: TransitionSystem, name: str) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import FALSE, Var, all_of
+from safeloc.language.first_values import Any_
 from safeloc.language.interpret import evaluate, holds, stepped
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
@@ -36,6 +37,18 @@ class Empty:
 
     cycle: int
     laws: tuple[str, ...]
+
+
+def as_steps(system: TransitionSystem, found: Member) -> tuple[dict[str, Value], list[dict[str, Value]]]:
+    """Return the first values of open variables and the inputs of each cycle by name, as a recording holds them."""
+    first = {var.name: found.first[var] for var in system.state if isinstance(system.initial[var], Any_)}
+    present: dict[Var, Var] = {one.value: one.present for one in system.optionals}
+    flags = set(present.values())
+    steps = [
+        {var.name: row[var] for var in system.inputs if var not in flags and (var not in present or row[present[var]])}
+        for row in found.stream
+    ]
+    return first, steps
 
 
 def first_unlawful(system: TransitionSystem, member: Member) -> int | None:

@@ -16,22 +16,34 @@ from dataclasses import dataclass, field, replace
 
 from safeloc.errors import EngineError
 from safeloc.language.expr import TRUE, Var, all_of
-from safeloc.language.first_values import Any_
-from safeloc.language.interpret import holds, named, start, step, taken
+from safeloc.language.interpret import holds, start, step
 from safeloc.language.nodes import Value
-from safeloc.language.spec import Goal, Property, observe, speaks_of, watch
-from safeloc.language.system import TransitionSystem, environment, first_without_the_world, without_ghosts
+from safeloc.language.spec import Property, observe, speaks_of, watch
+from safeloc.language.system import TransitionSystem, first_without_the_world, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Result, Unknown, Vacuous, Violated
+from safeloc.proof.around.broken_runs import broken_run, first_of, open_first
 from safeloc.proof.around.claims import Asked
 from safeloc.proof.around.containment import first_outside
 from safeloc.proof.around.corners import broken_at_corners
 from safeloc.proof.around.course import Course, Space, first_piece
 from safeloc.proof.around.deviations import PARTS, Deviations
-from safeloc.proof.around.members import Empty, Member, emptied, first_unlawful, member
+from safeloc.proof.around.members import Member, emptied, first_unlawful, member
 from safeloc.proof.around.nearest import nearest
+from safeloc.proof.around.shown import Decided, Shown
 from safeloc.proof.around.tube import Given, Tube
-from safeloc.proof.around.windows import OVER, Breaks, Claim, Holds, Observe, Open, Outcome, Windows, breaking
+from safeloc.proof.around.windows import (
+    OVER,
+    Breaks,
+    Claim,
+    Holds,
+    Observe,
+    Open,
+    Outcome,
+    Passage,
+    Windows,
+    breaking,
+)
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
@@ -67,7 +79,12 @@ class Around:
 
     def findings(self) -> list[Finding]:
         """Decide every claim; return one finding of each."""
-        return list(_Run(self).findings())
+        return self.decided().findings
+
+    def decided(self) -> Decided:
+        """Decide every claim; return one finding of each, with what shows them again."""
+        run = _Run(self)
+        return Decided(list(run.findings()), run.witness, run.shown)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +103,9 @@ class _Run:
     def __post_init__(self) -> None:
         self.board = _Way(without_ghosts(self.of.system), "for all inputs of the tube, without any law", lawful=False)
         self._began, self._ends = time.monotonic(), deadline(self.of.seconds_in_all)
-        self._members: dict[bool, Member | Empty | None] = {}
+        self.witness: Member | None = None
+        self.shown: dict[Asked, Shown] = {}
+        self._passages: dict[Passage, Shown] = {}
 
     # -------------------------------------------------------------- findings
 
@@ -101,6 +120,8 @@ class _Run:
                 found |= dict.fromkeys(lawful, (empty, "windows"))
         left = [one for one in self.of.asked if one not in found]
         for asked, outcome, words in self._decided(left, self._tube(PARTS)):
+            if isinstance(outcome, Holds) and outcome.passage is not None:
+                self.shown[asked] = self._passages[outcome.passage]
             found[asked] = self._result(asked, outcome, words)
         return [self._finding(one, *found[one]) for one in self.of.asked]
 
@@ -133,7 +154,7 @@ class _Run:
             return result
         watching = replace(asked.prop, name="there", term=~asked.there)
         goal, judged = observe(system, watching), range(asked.first, (asked.last or self.of.given.length) + 1)
-        state = start(goal.system, _open_first(goal.system, self.of.given.first))
+        state = start(goal.system, open_first(goal.system, self.of.given.first))
         for cycle, row in enumerate(self.of.given.rows, 1):
             state, _ = step(goal.system, state, {var: row[var] for var in goal.system.inputs})
             if cycle in judged and not holds(goal.good, state):
@@ -280,6 +301,10 @@ class _Run:
         outcomes = Windows(
             space, list(claims.values()), self.of.limits, watched=self.of.watched, ends=self._ends
         ).outcomes()
+        facts = base(way.system, seconds=self.of.limits.seconds).certificates if way.lawful else {}
+        for outcome in outcomes.values():
+            if isinstance(outcome, Holds) and outcome.passage is not None:
+                self._passages[outcome.passage] = Shown(way.lawful, asked, outcome.passage, facts)
         return {one: outcomes[claim] for one, claim in claims.items()}
 
     def _space(self, way: _Way, asked: Sequence[Asked], tube: Tube) -> tuple[Space, dict[Asked, Claim]]:
@@ -290,7 +315,7 @@ class _Run:
         restarts: dict[int, dict[Var, Value]] = {}
         for one, goal in goals.items():
             if one.first > 1:
-                restarts.setdefault(one.first - 1, {}).update(_first_of(goal))
+                restarts.setdefault(one.first - 1, {}).update(first_of(goal))
         made = Tube(way.system, tube.given, tube.deviations if way.lawful else _on_board(tube.deviations, way.system))
         return Space(watched.system, made, facts, restarts), claims
 
@@ -319,12 +344,14 @@ class _Run:
         system = self.of.system
         recorded = self._recorded()
         if recorded is not None and first_unlawful(system, recorded) is None:
+            self.witness = recorded
             return None
         length = self.of.given.length
         widths = self.of.deviations.widths
         for deviations in (Deviations(dict.fromkeys(widths, 0)), self.of.deviations):
             tube = Tube(system, self.of.given, deviations)
-            if member(Space(system, tube), self.of.limits, length) is not None:
+            self.witness = member(Space(system, tube), self.of.limits, length)
+            if self.witness is not None:
                 return None
         empty = emptied(Space(system, self._tube(PARTS)), self.of.limits)
         if empty is None:
@@ -344,7 +371,7 @@ class _Run:
             return None
         choices = given.choices or [{} for _ in given.rows]
         ghosts = given.ghosts[0] if given.ghosts else {}
-        first = start(system, _open_first(system, {**given.first, **ghosts}))
+        first = start(system, open_first(system, {**given.first, **ghosts}))
         return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=True)])
 
     # -------------------------------------------------------------- replay
@@ -360,46 +387,12 @@ class _Run:
             raise EngineError(
                 f"a stream that breaks {asked.prop.name!r} leaves the tube in cycle {outside}; report this."
             )
-        return _broken_run(goal, asked, way, found)
+        return broken_run(goal, asked, way.system, found)
 
 
 def _last(asked: Sequence[Asked], tube: Tube) -> int:
     """Return the last cycle in which one of the claims is judged."""
     return max(tube.length if one.last is None else min(one.last, tube.length) for one in asked)
-
-
-def _broken_run(goal: Goal, asked: Asked, way: _Way, found: Breaks) -> Trace:
-    hidden = frozenset(goal.observers)
-    state = start(goal.system, _open_first(goal.system, {**found.first, **_first_of(goal)}))
-    first, steps = named(state, hidden), []
-    broken = asked.first == 0 and not holds(goal.good, state)
-    rows = [{var.name: row[var] for var in goal.system.inputs} for row in found.stream]
-    condition = environment(goal.system)
-    for cycle, row in enumerate(rows, 1):
-        if broken:
-            raise EngineError(f"{asked.prop.name!r} is broken before cycle {cycle} already; report this.")
-        made = list(taken(goal.system, state, [row], while_=condition, hidden=hidden))
-        if not made:
-            raise EngineError(f"a stream that breaks {asked.prop.name!r} breaks a law in cycle {cycle}; report this.")
-        [(one, state)] = made
-        steps.append(one)
-        if cycle == asked.first - 1:
-            state = {**state, **_first_of(goal)}
-        broken = asked.first <= cycle and not holds(goal.good, state)
-    if not broken:
-        raise EngineError(f"the stream that is to break {asked.prop.name!r} does not; report this.")
-    return Trace(way.system, first, tuple(steps))
-
-
-def _first_of(goal: Goal) -> dict[Var, Value]:
-    """Return the observers of a goal with their first values."""
-    values = {var: goal.system.initial[var] for var in goal.observers}
-    return {var: value for var, value in values.items() if isinstance(value, (bool, int))}
-
-
-def _open_first(system: TransitionSystem, values: Mapping[Var, Value]) -> dict[str, Value]:
-    """Return the values of variables whose first value is open, by name."""
-    return {var.name: values[var] for var in system.state if isinstance(system.initial[var], Any_) and var in values}
 
 
 def _plain(prop: Property) -> Property:

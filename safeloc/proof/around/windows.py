@@ -49,12 +49,31 @@ class Claim:
         return self.first <= cycle and (self.last is None or cycle <= self.last)
 
 
+@dataclass(frozen=True)
+class Back:
+    """A claim that was shown in some cycles from the states of an earlier hand-over: its number, 0 for the start."""
+
+    claim: str
+    handed: int
+    first: int
+    last: int
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """The sets of states that were handed over, each with its cycle, that of the start first; and what was shown from further back."""
+
+    handed: Sequence[tuple[int, Sequence[Piece]]]
+    back: Sequence[Back]
+
+
 @dataclass(frozen=True, eq=False)
 class Holds:
     """The claim holds in all cycles, with certificates; `by_folding` is true if no solver was needed for it."""
 
     texts: Mapping[str, str]
     by_folding: bool
+    passage: Passage | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +132,7 @@ class Windows:
     _found: dict[Claim, Outcome] = field(default_factory=dict, init=False)
     _of_claim: dict[Claim, dict[str, str]] = field(default_factory=dict, init=False)
     _judged: int = field(default=0, init=False)
+    _back: list[Back] = field(default_factory=list, init=False)
 
     def outcomes(self) -> dict[Claim, Outcome]:
         """Go through all cycles; return what was found of each claim."""
@@ -131,7 +151,8 @@ class Windows:
         return {claim: self._found.get(claim) or self._holding(claim) for claim in self.claims}
 
     def _holding(self, claim: Claim) -> Holds:
-        return Holds({**self.texts, **self._of_claim[claim]}, by_folding=not self._of_claim[claim])
+        passage = Passage(self.handed, self._back)
+        return Holds({**self.texts, **self._of_claim[claim]}, by_folding=not self._of_claim[claim], passage=passage)
 
     def _left(self) -> list[Claim]:
         return [claim for claim in self.claims if claim not in self._found]
@@ -224,6 +245,7 @@ class Windows:
                 for _, found in self._not_following(course, [claim], cycle, end, min(_BACK_SECONDS, ends.left))
             ]
             if not wrong:
+                self._back.append(Back(claim.name, len(self.handed) - 1 - back, cycle, end))
                 return
             if at == 0:
                 course, found = min(wrong, key=lambda pair: pair[1])

@@ -8,12 +8,16 @@ from fractions import Fraction
 from typing import Any
 
 from safeloc.railway.audit.findings import AuditReport
+from safeloc.railway.audit.rules import Rules
 from safeloc.railway.design.checks import Held
 from safeloc.railway.design.designing import Design
+from safeloc.railway.design.function_tests import tests
 from safeloc.railway.design.least_cost import Demand
 from safeloc.railway.design.options import Option
 from safeloc.railway.design.stretches import Stretch, stretches
+from safeloc.railway.map.elements import BaliseGroup
 from safeloc.railway.map.places import kilometre_text
+from safeloc.railway.map.walk import Reference
 
 SCHEMA = "safeloc-line-design/1"
 _SHOWN = 8
@@ -46,11 +50,18 @@ def decisions(found: Design) -> list[dict[str, Any]]:
 
 
 def _name(found: Design, one: Option) -> str:
-    """Return the name on the designed line: new groups are numbered anew."""
+    """Return the name on the designed line: new groups and reflectors are numbered anew."""
     if not one.new:
         return one.element.id
-    groups = found.line.balise_groups
-    return next(group.id for group in groups if (group.edge, group.position_mm) == one.place)
+    there = found.line.balise_groups if isinstance(one.element, BaliseGroup) else found.line.reflectors
+    return next(
+        element.id for element in there if element == one.element.model_copy(update={"id": element.id, **_own(element)})
+    )
+
+
+def _own(element: Reference) -> dict[str, int]:
+    """Return what is an element's own besides its name."""
+    return {"identity": element.identity} if isinstance(element, BaliseGroup) else {}
 
 
 def lines(found: Design, audited: AuditReport, held: Sequence[Held]) -> Iterator[str]:
@@ -86,7 +97,8 @@ def _tightest(found: Design) -> Iterator[str]:
 def _least(found: Design) -> str:
     places = sum(one.new for one in found.options.every)
     near = "" if found.apart_mm == 1 else f", of which those within {_metres(found.apart_mm)} count as one"
-    where = f"among {places} places for new groups{near}"
+    what = "groups and reflectors" if found.task.added.reflector_models else "groups"
+    where = f"among {places} places for new {what}{near}"
     if found.least_eur == found.cost_eur:
         return f"proved to be least {where}: the weights of {len(found.weighted)} demands add up to it"
     if found.none_cheaper:
@@ -127,11 +139,17 @@ def design_data(found: Design, audited: AuditReport, held: Sequence[Held]) -> di
 
 def _weighted(found: Design, one: Demand, weight: Fraction) -> dict[str, Any]:
     places = {"any_of": one.any_of, "unless": one.unless}
-    named = {
-        kind: [":".join(map(str, found.options.every[number].place)) for number in sorted(numbers)]
-        for kind, numbers in places.items()
-    }
+    named = {kind: [_decided(found, number) for number in sorted(numbers)] for kind, numbers in places.items()}
     return {"weight_eur": str(weight), **named}
+
+
+def _decided(found: Design, number: int) -> str:
+    """Return what is decided under a number: the place of an option, or that the group of an option has a function test."""
+    every = found.options.every
+    if number < len(every):
+        return ":".join(map(str, every[number].place))
+    of = {test: group for group, test in tests(found.options, Rules(found.reach.layout)).items()}
+    return f"function test over {':'.join(map(str, every[of[number]].place))}"
 
 
 def _held_data(one: Held) -> dict[str, Any]:

@@ -14,14 +14,15 @@ from safeloc.railway.audit.findings import AuditReport
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.design.demands import Stretching, apart
 from safeloc.railway.design.figures import Added, Costs
-from safeloc.railway.design.function_tests import before_reflectors
+from safeloc.railway.design.function_tests import before_reflectors, tests
 from safeloc.railway.design.least_cost import Demand, bound, least, none_cheaper, weights
 from safeloc.railway.design.options import Option, Options, standing
 from safeloc.railway.design.places import new_options
 from safeloc.railway.design.reach import Reach
 from safeloc.railway.design.repairs import Repairs
-from safeloc.railway.map.elements import BaliseGroup
+from safeloc.railway.map.elements import BaliseGroup, Reflector
 from safeloc.railway.map.model import Line
+from safeloc.railway.map.walk import Reference
 
 _MOST_AUDITS = 200
 _ANY_GAP = 0.5
@@ -123,23 +124,29 @@ def can_be_kept(task: Task, seconds: float = 60.0) -> bool:
 
 def _selected(task: Task, seconds: float, gap: float = 0.0) -> _Selection | None:
     options, reach, apart_mm = _considered(task)
-    demands = _demanded(options, reach)
+    demands, costs = _demanded(options, reach), _costs(options, reach)
     for audits in range(1, _MOST_AUDITS + 1):
-        chosen = least(options.costs, demands, seconds, gap)
-        if chosen is None:
+        decided = least(costs, demands, seconds, gap)
+        if decided is None:
             return None
+        chosen = frozenset(number for number in decided if number < len(options.every))
         report = audit(options.with_only(chosen), task.layout)
         if not report.violated:
             return _Selection(options, reach, apart_mm, chosen, report, tuple(demands), audits)
         more = [one for one in dict.fromkeys(Repairs(options, chosen, report).demands()) if one not in set(demands)]
-        if not more or any(one.holds(chosen) for one in more):
+        if not more or any(one.holds(decided) for one in more):
             raise EngineError(f"{task.line.name}: a finding demands nothing new: {report.violated[0].as_text()}")
         demands += more
     raise EngineError(f"{task.line.name}: no design passed its audit after {_MOST_AUDITS} selections.")
 
 
+def _costs(options: Options, reach: Reach) -> list[int]:
+    """Return the cost of everything that is decided: of the options, and nothing for whether a group has a function test."""
+    return [*options.costs, *(0 for _ in tests(options, Rules(reach.layout)))]
+
+
 def _with_bound(task: Task, found: _Selection) -> Design:
-    costs = found.options.costs
+    costs = _costs(found.options, found.reach)
     weighted = weights(costs, found.demands)
     least_eur = _rounded_up(bound(costs, weighted), costs)
     cost = sum(costs[number] for number in found.chosen)
@@ -159,18 +166,24 @@ def _rounded_up(least: Fraction, costs: Sequence[int]) -> int:
 
 
 def _named_line(options: Options, chosen: frozenset[int]) -> Line:
-    """Return the designed line; its new groups are numbered along its edges."""
+    """Return the designed line; its new groups and reflectors are numbered along its edges."""
     order = {edge.id: number for number, edge in enumerate(options.line.edges)}
-    new = sorted((n for n in chosen if options.every[n].new), key=lambda n: _along(options.every[n], order))
-    names = [options.every[n].element for n in sorted(n for n in range(len(options.every)) if options.every[n].new)]
-    line = options.with_only(chosen - set(new))
-    groups = list(line.balise_groups)
-    for number, like in zip(new, names, strict=False):
-        element = options.every[number].element
-        assert isinstance(element, BaliseGroup)
-        assert isinstance(like, BaliseGroup)
-        groups.append(element.model_copy(update={"id": like.id, "identity": like.identity}))
-    return line.model_copy(update={"balise_groups": tuple(groups)})
+    line = options.with_only(chosen - {number for number in chosen if options.every[number].new})
+    found: dict[type[Reference], list[Reference]] = {BaliseGroup: [], Reflector: []}
+    for kind, elements in found.items():
+        every = [n for n, one in enumerate(options.every) if one.new and isinstance(one.element, kind)]
+        placed = sorted(chosen.intersection(every), key=lambda n: _along(options.every[n], order))
+        for number, like in zip(placed, every, strict=False):
+            elements.append(_named(options.every[number].element, options.every[like].element))
+    groups = (*line.balise_groups, *(one for one in found[BaliseGroup] if isinstance(one, BaliseGroup)))
+    reflectors = (*line.reflectors, *(one for one in found[Reflector] if isinstance(one, Reflector)))
+    return line.model_copy(update={"balise_groups": groups, "reflectors": reflectors})
+
+
+def _named(element: Reference, like: Reference) -> Reference:
+    """Return an element under the name of another one."""
+    more = {"identity": like.identity} if isinstance(like, BaliseGroup) else {}
+    return element.model_copy(update={"id": like.id, **more})
 
 
 def _along(one: Option, order: dict[str, int]) -> tuple[int, int]:

@@ -36,4 +36,11 @@ class Added(Config):
     )
     view_from_mm: int = quantity(100_000, "mm", 1, 10_000_000, "engineering default: as on the worked lines")
     view_to_mm: int = quantity(3_000, "mm", 0, 10_000_000, "engineering default: as on the worked lines")
+    reflector_models: int = quantity(
+        0,
+        "count",
+        0,
+        20,
+        "engineering default: none, since not every vehicle has a radar; the models that it tells apart",
+    )
     lateral_offset_mm: int = quantity(2_500, "mm", -100_000, 100_000, "engineering default: as on the worked lines")

@@ -15,7 +15,7 @@ from safeloc.railway.audit.findings import AuditReport, Finding
 from safeloc.railway.audit.references import function_test_figures
 from safeloc.railway.audit.rules import UNBOUNDED, Rules
 from safeloc.railway.audit.stretches import longest
-from safeloc.railway.design.function_tests import testable
+from safeloc.railway.design.function_tests import in_view
 from safeloc.railway.design.least_cost import Demand
 from safeloc.railway.design.options import Options
 from safeloc.railway.map.elements import BaliseGroup, Reflector
@@ -64,9 +64,17 @@ class Repairs:
         own = [n for n in self._those_chosen(Reflector) if self.options.every[n].place == there]
         spoiling = frozenset(self._spoiling_function_tests())
         too_many = finding.figures is not None and finding.figures.actual < UNBOUNDED
-        removed = self._those_chosen(Reflector) if too_many or not own else frozenset([*own, *spoiling])
-        testing = self._left_out(BaliseGroup) & frozenset(testable(self.options, Rules(self.report.layout)))
-        yield Demand(testing | self._left_out(Reflector), removed)
+        seen = self._in_view
+        testing = self._left_out(BaliseGroup) & frozenset(seen)
+        if too_many or not own:
+            yield Demand(testing | self._left_out(Reflector), self._those_chosen(Reflector))
+            return
+        shown = frozenset[int]().union(*(seen[group] for group in seen if group in self.chosen))
+        yield Demand(testing | (shown - self.chosen), frozenset([*own, *spoiling]))
+
+    @cached_property
+    def _in_view(self) -> dict[int, frozenset[int]]:
+        return in_view(self.options, Rules(self.report.layout))
 
     def _spoiling_function_tests(self) -> Iterator[int]:
         """Yield the first reflectors behind groups that are not in view there."""

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.assurance.evidence.interval import HOLDS
-from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Where, chosen_claims
+from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Way, Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
 from safeloc.assurance.margins.makers import maker_digest
@@ -62,6 +62,19 @@ def test_the_longest_stretch_of_other_figures(tmp_path: Path, constant: int, rat
     layout = LayoutConfig(odometry_constant_mm=constant, odometry_rate_ppm=rate, tolerance_mm=tolerance)
     found = limit_of(load_target(f"{EXAMPLE}:machine", tmp_path / "line.toml"), "stretch_mm", "up", "design")
     assert longest_stretch(layout) == found.holds_to
+
+
+def test_a_run_that_is_known_breaks_the_claim_at_another_figure(line: Target) -> None:
+    """The run that ends a stretch is tried for the rate as well: beside the limit of the rate it breaks the claim, at the limit nothing does."""
+    end = limit_of(line, "stretch_mm", "up", "world").end
+    assert end.first is not None
+    ways = [Way(end.claim, end.first, end.inputs)]
+    edge = limit_of(line, "rate_ppm", "up", "design").holds_to
+    knowing = Asking(line, "design", LIMITS, ways=ways)
+    assert knowing.along_known({"rate_ppm": edge + 1})
+    assert ("broken", end.claim) == (knowing.answer({"rate_ppm": edge + 1}).end, end.claim)
+    assert not knowing.along_known({"rate_ppm": edge})
+    assert not Asking(line, "design", LIMITS).along_known({"rate_ppm": edge + 1})
 
 
 def worst_run(length: int, distance: int) -> int:

@@ -24,7 +24,9 @@ class Scripted:
         end: Callable[[int], str],
         reaches: Callable[[int, int], bool],
         admits: Callable[[int], bool] = lambda _: True,
+        known: Callable[[int], bool] = lambda _: False,
     ) -> None:
+        self.known = known
         self._end, self._reaches, self._admits = end, reaches, admits
         self.asked: list[int] = []
         self.broken: set[int] = set()
@@ -46,6 +48,11 @@ class Scripted:
     def quickly(self, values: Mapping[str, int]) -> bool:
         del values
         return False
+
+    def along_known(self, values: Mapping[str, int]) -> bool:
+        if self.known(values["f"]):
+            self.broken.add(values["f"])
+        return values["f"] in self.broken
 
     def along(self, values: Mapping[str, int], broken_at: Mapping[str, int]) -> bool:
         value = values["f"]
@@ -127,3 +134,25 @@ def test_what_the_limits_left_open_is_not_kept(tmp_path: Path) -> None:
         keeping.keep(name, {"end": end})
     assert keeping.kept("a") == {"end": "broken"}
     assert keeping.kept("b") is None
+
+
+def test_a_run_that_is_known_ends_the_search_at_once() -> None:
+    """Where the way of a known run breaks a claim at the next value, nothing else is asked."""
+    scripted = Scripted(beyond(100), lambda value, at: True, known=lambda value: value == 101)
+    one = found(scripted)
+    assert (100, "broken", 101) == (one.holds_to, one.end.end, one.beyond)
+    assert scripted.asked == []
+
+
+@pytest.mark.parametrize("edge", [100, 103, 4_711, 999_998])
+def test_a_run_near_the_figure_is_found_in_few_steps(edge: int) -> None:
+    """The doublings of one unit are halved first, so that twice as many bits of the distance are tried as its own ones, and few more."""
+    tried: list[int] = []
+
+    def reaches(value: int, at: int) -> bool:
+        del at
+        tried.append(value)
+        return True
+
+    assert edge == found(Scripted(beyond(edge), reaches)).holds_to
+    assert len(tried) <= max(edge - 100, 1).bit_length() + 5

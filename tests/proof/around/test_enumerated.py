@@ -45,13 +45,13 @@ def tubes(draw: st.DrawFn) -> Tube:
 
 def streams(tube: Tube) -> Iterator[list[Mapping[Var, Value]]]:
     """All streams of the tube: those of all values that could be near, without the ones that are outside."""
-    every = [list(_rows(tube, number)) for number in range(1, tube.length + 1)]
+    every = [list(near_rows(tube, number)) for number in range(1, tube.length + 1)]
     for rows in product(*every):
         if first_outside(tube, rows) is None:
             yield list(rows)
 
 
-def _rows(tube: Tube, number: int) -> Iterator[Mapping[Var, Value]]:
+def near_rows(tube: Tube, number: int) -> Iterator[Mapping[Var, Value]]:
     option: dict[Var, Var] = {one.value: one.present for one in tube.system.optionals}
     flags = set(option.values())
     names = {name: channel for channel in tube.deviations.channels for name in channel.names}
@@ -92,7 +92,7 @@ def count(tube: Tube) -> int:
     """How many streams are looked at."""
     total = 1
     for number in range(1, tube.length + 1):
-        total *= sum(1 for _ in _rows(tube, number))
+        total *= sum(1 for _ in near_rows(tube, number))
     return total
 
 

@@ -7,7 +7,8 @@ import pytest
 from safeloc.errors import InputError
 from safeloc.language.expressions import condition
 from safeloc.language.system import lower
-from safeloc.proof.around.claims import signals, written_claim
+from safeloc.language.written_claims import signals
+from safeloc.proof.around.claims import written_claim
 from safeloc.proof.around.deviations import deviations
 from tests.examples import doors
 from tests.proof.around.small import machine

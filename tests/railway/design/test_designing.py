@@ -11,7 +11,7 @@ import pytest
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.audit import audit
 from safeloc.railway.design.designing import Task, design
-from safeloc.railway.design.figures import Costs
+from safeloc.railway.design.figures import Added, Costs
 from safeloc.railway.design.options import Options, standing
 from safeloc.railway.design.reach import Reach
 from safeloc.railway.design.stretches import stretches
@@ -126,3 +126,28 @@ def test_a_real_network() -> None:
     assert holds(found.line, LayoutConfig())
     assert all(isinstance(found.options.every[number].element, BaliseGroup) for number in found.chosen)
     assert found.least_eur <= found.cost_eur <= found.least_eur * 103 // 100
+
+
+def test_reflectors_are_added_where_they_cost_less() -> None:
+    """Of 1.3 km one group and two reflectors hold, for 16 000 EUR where two groups cost 20 000; the group has its function test."""
+    line, layout = straight(1_300_000), LayoutConfig()
+    found = design(Task(line, layout, added=Added(reflector_models=1)))
+    assert found is not None
+    assert holds(found.line, layout)
+    assert (1, 2, 16_000) == (len(found.line.balise_groups), len(found.line.reflectors), found.cost_eur)
+    assert found.least_eur <= found.cost_eur
+    assert {"R1", "R2"} == {one.id for one in found.line.reflectors}
+    assert all("function test" not in one.as_text() for one in found.report.violated)
+    for number in found.chosen:
+        assert not holds(found.options.with_only(found.chosen - {number}), layout)
+
+
+def test_reflectors_that_cost_more_are_not_added() -> None:
+    """Where one costs as much as a group, groups do; without models of reflectors none is an option."""
+    line, dear = straight(1_300_000), Costs(add_reflector_eur=10_000)
+    found = design(Task(line, LayoutConfig(), dear, Added(reflector_models=1)))
+    assert found is not None
+    assert (2, 0) == (len(found.line.balise_groups), len(found.line.reflectors))
+    without = design(Task(line, LayoutConfig()))
+    assert without is not None
+    assert all(isinstance(one.element, BaliseGroup) for one in without.options.every)
