@@ -70,16 +70,23 @@ class Standing:
 
 
 def _decided(given: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float) -> dict[Key, bool]:
-    """Decide goals together; return True for each refuted goal and False for each undecided one."""
+    """Decide goals together; return True for each refuted goal and False for each undecided one.
+
+    One solver serves for all models: `not all of the goals left` implies the same of more goals, so nothing has to be taken back.
+    """
     failed, left, ends = dict[Key, bool](), dict(goals), deadline(seconds)
+    solver = plain_solver()
+    solver.add(*given)
     while left:
-        false = _false(given, left, ends)
-        if false is None:
+        solver.add(z3.Not(z3.And(*left.values())))
+        answer = ask(solver, ends.left)
+        if answer == z3.unknown:
             return failed | dict.fromkeys(left, False)
-        if not false:
+        if answer == z3.unsat:
             return failed
+        false = _false(solver.model(), left)
         failed |= dict.fromkeys(false, True)
-        left = {key: goal for key, goal in left.items() if key not in failed}
+        left = {key: goal for key, goal in left.items() if key not in false}
     return failed
 
 
@@ -89,14 +96,10 @@ def _halves(goals: dict[Key, z3.BoolRef]) -> list[dict[Key, z3.BoolRef]]:
     return [{key: goals[key] for key in part} for part in parts if part]
 
 
-def _false(given: Sequence[z3.BoolRef], left: Mapping[Key, z3.BoolRef], ends: Deadline) -> list[Key] | None:
-    """Return the goals that one model makes false: no goals if all follow, None if that is undecided."""
-    solver = plain_solver()
-    solver.add(*given, z3.Not(z3.And(*left.values())))
-    answer = ask(solver, ends.left)
-    if answer == z3.unknown:
-        return None
-    if answer == z3.unsat:
-        return []
-    model = solver.model()
-    return [key for key, goal in left.items() if z3.is_false(model.eval(goal, model_completion=True))]
+def _false(model: z3.ModelRef, goals: Mapping[Key, z3.BoolRef]) -> set[Key]:
+    """Return the goals that a model makes false. They are evaluated as one number, a bit for each, so that z3 evaluates shared parts once."""
+    bits = [z3.If(goal, 0, 1 << number) for number, goal in enumerate(goals.values())]
+    value = model.eval(z3.Sum(bits), model_completion=True)
+    assert isinstance(value, z3.IntNumRef)
+    number = value.as_long()
+    return {key for place, key in enumerate(goals) if number >> place & 1}
