@@ -15,7 +15,7 @@ from safeloc.codegen.smt import Terms, constant
 from safeloc.language.expr import Bool, Expr, Var
 from safeloc.language.terms import in_order
 from safeloc.proof.provers.asking import ask, plain_solver
-from safeloc.proof.provers.limits import Deadline, deadline
+from safeloc.proof.provers.limits import deadline
 
 Key = TypeVar("Key", bound=Hashable)
 
