@@ -31,7 +31,7 @@ def equivalent(
     apart         states of both that differ, after the same lawful steps
     still_proved  all claims are proved for the mutant, too, and may be used
     """
-    for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")):
+    for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")) if not apart else ():
         if _same_step(known, mutant, canon, limits, layers=layers):
             return f"the same step and outputs in every reachable state, {words}"
     if Side(known, mutant, apart, canon, limits, still_proved=still_proved).tells_the_same():
@@ -56,7 +56,7 @@ def _same_step(known: Held, mutant: Held, canon: Canon, limits: Limits, *, layer
     moved = {var.name: (one.next[var], other.next[var]) for var in _on_board(one)}
     told = {name: (term, other.outputs[name]) for name, term in one.outputs.items()}
     questions = ((given, _changed(moved)), ([in_range(one.state), *facts], _changed(told)))
-    return not any(canon.asked.failures(*question, limits.seconds) for question in questions)
+    return all(canon.asked.all_follow(*question, limits.seconds) for question in questions)
 
 
 def _changed(pairs: Mapping[str, tuple[Expr, Expr]]) -> dict[str, Bool]:
@@ -98,6 +98,8 @@ class Side:
         self._facts = [*_facts(known, 2), in_range(self._one.state)]
         if still_proved:
             self._facts += [self._second.bool(term) for term in (*_facts(mutant, 2), in_range(_on_board(other)))]
+        self._now = canon.asked.under(self._facts)
+        self._in_a_step = canon.asked.under([*self._facts, environment(self._one)])
 
     def tells_the_same(self) -> bool:
         """Return whether equal outputs on every run under the assumption are proved."""
@@ -152,9 +154,9 @@ class Side:
         as the goals do not follow from what is left, they do not follow from fewer.
         """
         kept = self._seen_to_hold(relations)
-        while self._follow(kept, goals):
+        while not self._now.some_failures([*kept.values()], goals, self._limits.seconds):
             after = {key: self._after.bool(term) for key, term in kept.items()}
-            failed = self._fails([environment(self._one), *kept.values()], after)
+            failed = self._in_a_step.some_failures([*kept.values()], after, self._limits.seconds)
             if not failed:
                 return True
             kept = {key: term for key, term in kept.items() if key not in failed}
@@ -168,9 +170,6 @@ class Side:
             columns = zip(*(look(*states) for states in self._apart), strict=True)
             kept = {key: term for (key, term), held in zip(relations.items(), columns, strict=True) if all(held)}
         return kept
-
-    def _follow(self, kept: Mapping[str, Bool], goals: Mapping[str, Bool]) -> bool:
-        return not self._fails(list(kept.values()), goals)
 
     def _fails(self, given: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:
         return self._canon.asked.failures([*self._facts, *given], goals, self._limits.seconds)
