@@ -107,3 +107,9 @@ def _forgotten(model: Verification) -> Iterator[Property]:
         machine.mode.one_of(none, untrusted).implies(numbers & all_of(~flag for flag in (*own.flags, *own.known))),
         statement="once a train has left, or a parameter did not match, all its stored data are cleared, so that none serves the next train",
     )
+    yield for_all_inputs(
+        "without a train there is no record and nothing to revoke",
+        machine.mode.eq(none).implies(machine.output("reason").eq(v.NO_RECORD) & ~own.given_out),
+        statement="while there is no train, the reason is that there is no record, and no position counts as given out: the next train "
+        "begins with nothing to revoke",
+    )
