@@ -1,4 +1,4 @@
-"""What a followed train's trust is told to rest on, and that nothing is kept of a train that is gone or untrusted (FVA-1 to FVA-8)."""
+"""Claims on the comparisons that a followed train's trust is told to rest on, and on forgetting a train that is gone or untrusted (FVA-1 to FVA-8)."""
 
 from __future__ import annotations
 
