@@ -103,12 +103,11 @@ def compose(
     safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire
     that reads a machine that is not earlier, and a wire that gives an on-board input the value of a ghost.
     """
-    lowered = [(machine, lower(machine)) for machine in machines]
-    given = Plan(name, machines, [system for _, system in lowered], wires, shared, discharge, declared_at())
+    given = Plan(name, machines, [lower(machine) for machine in machines], wires, shared, discharge, declared_at())
     plan = _change_of_plan.get()(given)
     check_plan(plan)
     merging = _Merging(plan)
-    for machine, system in lowered:
+    for machine, system in zip(plan.machines, plan.systems, strict=True):
         merging.add(machine, system)
     return merging.composition()
 

@@ -23,6 +23,7 @@ from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Proved, Violated
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, without
 from safeloc.proof.provers.bmc import Exhausted, search
+from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
 from safeloc.proof.provers.recorded_witnesses import Recording
@@ -92,6 +93,17 @@ def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str],
             found = _with_claim(found, system, prop, limits, runs) if prop.name in asked else _kept(found, prop.name)
     found = _with_longer_runs(found, target, system, limits, runs)
     return _with_hazard(_with_interval(found, target, system, asked, limits), target, runs)
+
+
+def does_no_harm(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str], limits: Limits) -> bool:
+    """Return whether induction proves, without all of these clauses, that the interval contains the truth and no hazard occurs.
+
+    asked  names of the claims whose proofs may need them
+    """
+    system, top = without(target.system, broken), holds_truth(target)
+    claims = [*hazard_claims(target), *([top] if top is not None else [])]
+    goals = (observe(system, replace(prop, kept_by=None)) for prop in claims if prop.name in asked)
+    return all(isinstance(kinduction(goal, limits), Proved) for goal in goals)
 
 
 def _kept(found: Effect, name: str) -> Effect:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import hashlib
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 from typing import Any, Protocol
 
 from safeloc.assurance.evidence.core_work import cores_of
-from safeloc.assurance.evidence.effects import CYCLES, Effect, End, Run, effect
+from safeloc.assurance.evidence.effects import CYCLES, Effect, End, Run, does_no_harm, effect
 from safeloc.assurance.evidence.interval import claims_of, holds_truth
+from safeloc.assurance.evidence.pairs_together import harmless_together
 from safeloc.assurance.evidence.top_event import hazard_claims, top_claims
 from safeloc.assurance.kept_work import Batch, Keeping, kept_or_done
 from safeloc.language.expr import TRUE
@@ -22,6 +24,7 @@ from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
 
 _KIND = "faults"
+_TOGETHER = "faults together"
 SECONDS_A_CLAIM = 10.0
 """Default limit of effort for each claim, in seconds of an idle computer."""
 
@@ -68,7 +71,8 @@ class Breaking:
     def pairs(self, target: Target, cores: Sequence[Core], singles: Sequence[Effect]) -> list[Effect]:
         """Return the effect on interval and hazard of each pair of clauses that alone do no harm to them.
 
-        In a composition, only of pairs of clauses of different machines.
+        In a composition, only of pairs of clauses of different machines. Most pairs are proved together (`pairs_together`); of these
+        no transition is told that withdraws the interval.
         """
         harmless = [one.broken[0] for one in singles if one.end in ("contained", "no hazard")]
         rests = [one for one in cores if one.claim in top_claims(target)]
@@ -76,7 +80,34 @@ class Breaking:
         for first, second in combinations(harmless, 2):
             if not target.system.parts or first.machine != second.machine:
                 both[first, second] = _may_rest_on(target, rests, (first, second))
-        return self._effects(target, both, top_only=True)
+        safe = harmless_together(both, lambda sets: self._without_harm(target, rests, sets))
+        left = {pair: names for pair, names in both.items() if pair not in safe}
+        found = {one.broken: one for one in self._effects(target, left, top_only=True)}
+        return [found[pair] if pair in found else _harmless(target, pair) for pair in both]
+
+    def _without_harm(self, target: Target, cores: Sequence[Core], sets: Sequence[tuple[ClauseId, ...]]) -> list[bool]:
+        """Return for each set of clauses whether no harm is proved without all of them."""
+        self.progress.say(f"breaking sets of clauses of {target.name}", len(sets))
+        key = asked(target, _TOGETHER, self.limits, target.hazard).key
+        by_name = {_digest(one): one for one in sets}
+        found = dict[str, bool]()
+
+        def work(left: Sequence[str]) -> list[Batch]:
+            return [Batch((name,), self._together(target, cores, by_name[name])) for name in left]
+
+        keeping = Keeping(_TOGETHER, key, self.look_in, self.keep_in)
+        for name, data in kept_or_done([*by_name], work, keeping, self.jobs):
+            found[name] = data is True
+            self.progress.tick(f"without {len(by_name[name])} clauses: {'no harm' if found[name] else 'not proved'}")
+        return [found[_digest(one)] for one in sets]
+
+    def _together(self, target: Target, cores: Sequence[Core], broken: tuple[ClauseId, ...]) -> Task:
+        names = _may_rest_on(target, cores, broken)
+        return Task(
+            f"{target.name} without {len(broken)} clauses",
+            lambda: [does_no_harm(target, broken, names, self.limits)],
+            CLOCK * 2 * (len(names) + 2) * self.limits.seconds,
+        )
 
     def _effects(
         self, target: Target, wanted: Mapping[tuple[ClauseId, ...], frozenset[str]], *, top_only: bool = False
@@ -122,6 +153,15 @@ _IN_SHORT: Mapping[End, str] = {
 }
 
 
+def _digest(clauses: Sequence[ClauseId]) -> str:
+    return hashlib.sha256("\0".join(map(str, clauses)).encode()).hexdigest()[:20]
+
+
+def _harmless(target: Target, pair: tuple[ClauseId, ...]) -> Effect:
+    """Return the effect of a pair that was proved to do no harm."""
+    return Effect(pair, tuple(prop.name for prop in hazard_claims(target)), end=_end_without_answer(target, ()))
+
+
 def planned(target: Target) -> int:
     """Return the number of results of cores and single breaches of a target."""
     return len(claims_of(target)) + len(assumed_clauses(target.system))
@@ -151,9 +191,9 @@ def _undecided(target: Target, broken: tuple[ClauseId, ...], names: frozenset[st
     return Effect(broken, kept, {}, open_, _end_without_answer(target, names))
 
 
-def _end_without_answer(target: Target, names: frozenset[str]) -> End:
+def _end_without_answer(target: Target, names: Collection[str]) -> End:
     """Return the end effect where no question about `names` was answered; everything else was proved before."""
-    if not names.isdisjoint(top_claims(target)):
+    if not top_claims(target).isdisjoint(names):
         return "undecided"
     if holds_truth(target) is not None:
         return "contained"

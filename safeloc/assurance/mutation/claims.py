@@ -6,7 +6,7 @@ Each layer is one system with the observers of its properties.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
@@ -60,13 +60,21 @@ class Canon:
         self.share = Sharing()
         self.asked = Standing()
         self._known: dict[tuple[object, ...], Var] = {}
+        self._seconds: dict[tuple[Var, ...], tuple[Substitution, dict[Var, Var]]] = {}
 
     def observers(self, made: tuple[Var, ...]) -> Substitution:
         """Return a substitution that replaces each observer by the first one of the same name, kind and range."""
         return Substitution({var: self._known.setdefault(_alike(var), var) for var in made})
 
-    def twin(self, var: Var) -> Var:
-        """Return the variable that stands for this one in the mutant's copy of the machine."""
+    def second(self, variables: Iterable[Var]) -> tuple[Substitution, Mapping[Var, Var]]:
+        """Return what rewrites terms for the mutant's copy of a machine, with the copy of each variable; terms that were met are not rewritten again."""
+        own = tuple(variables)
+        if own not in self._seconds:
+            twins = {var: self._twin(var) for var in own}
+            self._seconds[own] = (Substitution(dict(twins)), twins)
+        return self._seconds[own]
+
+    def _twin(self, var: Var) -> Var:
         twin = replace(var, name=f"mutant.{var.name}")
         return self._known.setdefault(_alike(twin), twin)
 

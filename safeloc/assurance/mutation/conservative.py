@@ -8,12 +8,12 @@ requirement has to follow from it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from safeloc.assurance.evidence.interval import ReportedTerms
 from safeloc.assurance.mutation.claims import Canon, Held
 from safeloc.assurance.mutation.equivalence import Side, equal
-from safeloc.assurance.mutation.playing import Trodden, outputs_side_by_side
+from safeloc.assurance.mutation.playing import Apart, Trodden, outputs_side_by_side
 from safeloc.language.expr import Bool, NumVar
 from safeloc.language.nodes import BoolVar, Value
 from safeloc.language.units import Enumeration
@@ -24,15 +24,21 @@ _HOW = "its interval holds the machine's and is withdrawn no later, on every run
 
 
 def conservative(
-    known: Held, runs: Trodden, mutant: Held, reported: Reported | None, canon: Canon, limits: Limits
+    known: Held,
+    runs: Trodden,
+    mutant: Held,
+    apart: Sequence[Apart],
+    reported: Reported | None,
+    canon: Canon,
+    limits: Limits,
 ) -> str:
     """Return a text that says how the mutant was proved conservative, or "". All claims have to be proved for the mutant."""
     if reported is None or any(_is_worse(reported, *outputs) for outputs in outputs_side_by_side(mutant, runs)):
         return ""
-    side = Side(known, mutant, canon, limits, still_proved=True)
+    side = Side(known, mutant, apart, canon, limits, still_proved=True)
     goals = _goals(side, reported)
     relations = side.at_first({**side.all_equal(), **dict(_relations(side, reported)), **goals})
-    return _HOW if side.follow(side.lasting({**relations, **side.equal_by_mode()}), goals) else ""
+    return _HOW if side.proved({**relations, **side.equal_by_mode()}, goals) else ""
 
 
 def _is_worse(reported: Reported, was: Mapping[str, Value], now: Mapping[str, Value]) -> bool:

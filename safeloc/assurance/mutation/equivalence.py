@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from safeloc.assurance.mutation.claims import Canon, Held
+from safeloc.assurance.mutation.playing import Apart
+from safeloc.assurance.mutation.stepping import stepped
 from safeloc.language.expr import Bool, Expr, Lit, Var
 from safeloc.language.nodes import BoolVar, Num
 from safeloc.language.system import TransitionSystem, environment, in_range
@@ -20,16 +22,19 @@ _MOST_BY_FLAG = 400
 """Most equalities by flag that are tried; machines with more flags and variables are compared without them."""
 
 
-def equivalent(known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> str:
+def equivalent(
+    known: Held, mutant: Held, apart: Sequence[Apart], canon: Canon, limits: Limits, *, still_proved: bool
+) -> str:
     """Return a text that says how the mutant was proved equivalent, or "".
 
     known         the unchanged machine
+    apart         states of both that differ, after the same lawful steps
     still_proved  all claims are proved for the mutant, too, and may be used
     """
-    for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")):
+    for layers, words in ((1, "for all inputs in range"), (2, "under the assumption")) if not apart else ():
         if _same_step(known, mutant, canon, limits, layers=layers):
             return f"the same step and outputs in every reachable state, {words}"
-    if Side(known, mutant, canon, limits, still_proved=still_proved).tells_the_same():
+    if Side(known, mutant, apart, canon, limits, still_proved=still_proved).tells_the_same():
         return "the same outputs on every run under the assumption, by two copies side by side"
     return ""
 
@@ -51,7 +56,7 @@ def _same_step(known: Held, mutant: Held, canon: Canon, limits: Limits, *, layer
     moved = {var.name: (one.next[var], other.next[var]) for var in _on_board(one)}
     told = {name: (term, other.outputs[name]) for name, term in one.outputs.items()}
     questions = ((hypotheses, _changed(moved)), ([in_range(one.state), *facts], _changed(told)))
-    return not any(canon.asked.failures(*question, limits.seconds) for question in questions)
+    return all(canon.asked.all_follow(*question, limits.seconds) for question in questions)
 
 
 def _changed(pairs: Mapping[str, tuple[Expr, Expr]]) -> dict[str, Bool]:
@@ -74,10 +79,18 @@ class Side:
     outputs  for each output, the terms of the machine and of the mutant
     """
 
-    def __init__(self, known: Held, mutant: Held, canon: Canon, limits: Limits, *, still_proved: bool) -> None:
-        self._one, self._canon, self._limits = known.system, canon, limits
-        self.twins: dict[Var, Var] = {var: canon.twin(var) for var in _on_board(self._one)}
-        self._second = Substitution(dict(self.twins))
+    def __init__(
+        self,
+        known: Held,
+        mutant: Held,
+        apart: Sequence[Apart],
+        canon: Canon,
+        limits: Limits,
+        *,
+        still_proved: bool,
+    ) -> None:
+        self._one, self._apart, self._canon, self._limits = known.system, apart, canon, limits
+        self._second, self.twins = canon.second(_on_board(self._one))
         other = mutant.system
         self.outputs = {name: (term, self._second(other.outputs[name])) for name, term in self._one.outputs.items()}
         moves = {twin: canon.share(self._second(other.next[var])) for var, twin in self.twins.items()}
@@ -85,18 +98,20 @@ class Side:
         self._facts = [*_facts(known, 2), in_range(self._one.state)]
         if still_proved:
             self._facts += [self._second.bool(term) for term in (*_facts(mutant, 2), in_range(_on_board(other)))]
+        self._now = canon.asked.under(self._facts)
+        self._in_a_step = canon.asked.under([*self._facts, environment(self._one)])
 
     def tells_the_same(self) -> bool:
         """Return whether equal outputs on every run under the assumption are proved."""
         goals = {name: equal(one, other) for name, (one, other) in self.outputs.items()}
         plain = self.all_equal()
-        if self.follow(self.lasting(plain), goals):
+        if self.proved(plain, goals):
             return True
         by_mode = {**plain, **self.equal_by_mode()}
-        if self.follow(self.lasting(by_mode), goals):
+        if self.proved(by_mode, goals):
             return True
         by_flag = self.equal_by_flag()
-        return 0 < len(by_flag) <= _MOST_BY_FLAG and self.follow(self.lasting({**by_mode, **by_flag}), goals)
+        return 0 < len(by_flag) <= _MOST_BY_FLAG and self.proved({**by_mode, **by_flag}, goals)
 
     def all_equal(self) -> dict[str, Bool]:
         """Return for each variable on board the equality of both copies."""
@@ -132,20 +147,29 @@ class Side:
         failed = self._fails([self._one.init, *self.all_equal().values()], relations)
         return {key: term for key, term in relations.items() if key not in failed}
 
-    def lasting(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
-        """Return the greatest part of the relations that every step preserves; all of them have to hold at first."""
-        kept = dict(relations)
-        while kept:
-            goals = {key: self._after.bool(term) for key, term in kept.items()}
-            failed = self._fails([environment(self._one), *kept.values()], goals)
-            if not failed:
-                break
-            kept = {key: term for key, term in kept.items() if key not in failed}
-        return kept
+    def proved(self, relations: Mapping[str, Bool], goals: Mapping[str, Bool]) -> bool:
+        """Return whether the goals follow from the greatest part of the relations that every step preserves.
 
-    def follow(self, kept: Mapping[str, Bool], goals: Mapping[str, Bool]) -> bool:
-        """Return whether the goals follow from the relations in `kept`."""
-        return not self._fails(list(kept.values()), goals)
+        All relations have to hold at first. Those that fail in states that both reach are not in that part, and are not asked. As soon
+        as the goals do not follow from what is left, they do not follow from fewer.
+        """
+        kept = self._seen_to_hold(relations)
+        while not self._now.some_failures([*kept.values()], goals, self._limits.seconds):
+            after = {key: self._after.bool(term) for key, term in kept.items()}
+            failed = self._in_a_step.some_failures([*kept.values()], after, self._limits.seconds)
+            if not failed:
+                return True
+            kept = {key: term for key, term in kept.items() if key not in failed}
+        return False
+
+    def _seen_to_hold(self, relations: Mapping[str, Bool]) -> dict[str, Bool]:
+        """Return the relations that hold in all states of `apart`."""
+        kept = dict(relations)
+        if self._apart and kept:
+            look = stepped((tuple(self.twins), tuple(self.twins.values())), [*kept.values()])
+            columns = zip(*(look(*states) for states in self._apart), strict=True)
+            kept = {key: term for (key, term), held in zip(relations.items(), columns, strict=True) if all(held)}
+        return kept
 
     def _fails(self, hypotheses: Sequence[Bool], goals: Mapping[str, Bool]) -> dict[str, bool]:
         return self._canon.asked.failures([*self._facts, *hypotheses], goals, self._limits.seconds)

@@ -82,13 +82,16 @@ def of_member(on: CompositionBench, mutant: Mutant, *, everywhere: bool) -> Outc
 def of_wire(on: CompositionBench, edit: WireEdit) -> Outcome:
     """Return the outcome for the composition with this wire wrong."""
     try:
-        made = rewired(on.composed, edit.wires)
-        return _judged(on, made.system, made.claims)
+        made = rewired(on.composed, edit.wires, edit.late)
+        return _judged(on, made.system, made.claims, by_truth=edit.to_a_ghost)
     except SafelocError as error:
         return Outcome(results.REFUSED, (), str(error).splitlines()[-1].strip(" -"))
 
 
-def _judged(on: CompositionBench, made: TransitionSystem, claims: Sequence[Property]) -> Outcome:
+def _judged(
+    on: CompositionBench, made: TransitionSystem, claims: Sequence[Property], *, by_truth: bool = False
+) -> Outcome:
+    """Judge the composition. `by_truth`: the truth is wrong, which changes no output; that is no equivalence, but a question."""
     system = shared(made, on.canon)
     broken = first_broken(_layer(system, claims, on.canon), [run for run in on.runs if run.has_ghosts])
     if broken is not None:
@@ -103,7 +106,7 @@ def _judged(on: CompositionBench, made: TransitionSystem, claims: Sequence[Prope
     for run in on.runs:
         if outputs_along(system, run) != on.told[run.name]:
             return Outcome(results.RECORDED, (), run.name)
-    if _is_equivalent(on, system):
+    if not by_truth and _is_equivalent(on, system):
         return Outcome(
             results.EQUIVALENT, (), "the same step and outputs in every reachable state, under the assumption"
         )

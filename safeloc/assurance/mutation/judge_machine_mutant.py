@@ -98,7 +98,7 @@ def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declar
     noticed, run = unproved(mutant, failed, on.limits) if failed.claims else (None, None)
     is_other = bool(seen.other) or (run is not None and tells_otherwise(on.unchanged, mutant, run))
     if not is_other and not failed.undecided:
-        same = equivalent(on.unchanged, mutant, on.canon, on.limits, still_proved=not failed.claims)
+        same = equivalent(on.unchanged, mutant, seen.apart, on.canon, on.limits, still_proved=not failed.claims)
         if same:
             return Outcome(results.EQUIVALENT, (), same)
     if noticed is not None:
@@ -106,7 +106,7 @@ def outcome_of(on: Bench, make: Callable[[Declared], Declared], declared: Declar
     never = impossible(mutant, seen.seen, on.canon, on.limits)
     if never:
         return Outcome(results.NEVER, tuple(never), "excluded in one step, for all inputs in range")
-    careful = conservative(on.unchanged, on.known, mutant, on.reported, on.canon, on.limits)
+    careful = conservative(on.unchanged, on.known, mutant, seen.apart, on.reported, on.canon, on.limits)
     if careful:
         return Outcome(results.CONSERVATIVE, (), careful)
     return Outcome(results.RECORDED, (), seen.differs) if seen.differs else Outcome(results.SURVIVED, (), seen.other)

@@ -81,13 +81,13 @@ def member_mutants(composed: Composed, places: Places) -> list[Mutant]:
     return [one for declared in composed.members.values() for one in mutants(declared, places)]
 
 
-def joined(composed: Composed, machine: Machine, wires: Mapping[Var, Expr] | None = None) -> TransitionSystem:
-    """Return the composition with this machine in place of the one of its name, and these wires, in the original variables.
+def joined(composed: Composed, machine: Machine) -> TransitionSystem:
+    """Return the composition with this machine in place of the one of its name, in the original variables.
 
     ModelError if the result is not a valid composition.
     """
     was = composed.members[machine.name].machine
-    rewired = _rewired(composed.plan.wires if wires is None else wires, was, machine)
+    rewired = _rewired(composed.plan.wires, was, machine)
     machines = [machine if one is was else one for one in composed.plan.machines]
     made = compose(
         composed.plan.name,
@@ -119,12 +119,12 @@ def _rewired(wires: Mapping[Var, Expr], was: Machine, now: Machine) -> dict[Var,
 def in_variables_of(system: TransitionSystem, like: TransitionSystem) -> tuple[TransitionSystem, Substitution]:
     """Return the system in the variables of `like`, which has the same names, and what rewrites its terms so.
 
-    Parts take over `into`; contracts are rewritten.
+    Parts take over `into`; contracts are rewritten. Variables and parts that `like` does not have stay as they are.
     """
     known = {(var.name, type(var)): var for var in (*like.state, *like.inputs, *like.fired)}
     mine = (*system.state, *system.inputs, *system.fired)
     twin = {var: known.get((var.name, type(var)), var) for var in mine}
-    change = Substitution(dict(twin))
+    change, alike = Substitution(dict(twin)), {part.name: part for part in like.parts}
     renamed = replace(
         system,
         state=tuple(twin[var] for var in system.state),
@@ -138,7 +138,7 @@ def in_variables_of(system: TransitionSystem, like: TransitionSystem) -> tuple[T
         ghosts=frozenset(twin[var] for var in system.ghosts),
         initial={twin[var]: value for var, value in system.initial.items()},
         optionals=tuple(Optional(_number(twin[one.value]), _flag(twin[one.present])) for one in system.optionals),
-        parts=tuple(_part(part, by_name, change) for part, by_name in zip(system.parts, like.parts, strict=True)),
+        parts=tuple(_part(part, alike.get(part.name, part), change) for part in system.parts),
         stages=(),
     )
     return renamed, change

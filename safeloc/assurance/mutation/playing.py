@@ -7,7 +7,7 @@ mutant moves differently or a changed claim fails, and the mutant is run only fr
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from safeloc.assurance.mutation.claims import Claim, Held, Layer
 from safeloc.assurance.mutation.columns import Columns, Pair
@@ -24,6 +24,8 @@ WORLD = 1
 """Number of the layer of claims that need the assumption of the machine."""
 _MORE = 400
 """Steps that are run, in each layer, after the first broken claim, to see which others break."""
+_APART = 200
+"""Greatest number of different states that are kept of a mutant that moves differently."""
 
 
 @dataclass(frozen=True)
@@ -37,20 +39,24 @@ class _Broken:
 
 @dataclass(frozen=True)
 class Played:
-    """The result of all runs. The last three are found only if no claim is broken.
+    """The result of all runs. The last four are found only if no claim is broken.
 
     broken   broken claims, each with the run that breaks it in the fewest steps
     differs  a text about the first state along a recording with other outputs; "" if there is none
     other    the same along any run; recordings are preferred
     seen     rows that fire and modes that occur while the mutant moves as the machine does
+    apart    states on board of the machine and of the mutant that differ, after the same steps, all of which the world allows; only some
     """
 
     broken: tuple[_Broken, ...]
     differs: str
     other: str
     seen: frozenset[Event] = frozenset()
+    apart: tuple[Apart, ...] = ()
 
 
+Apart = tuple[Row, Row]
+"""A state of the machine, and that of a mutant after the same inputs."""
 Event = tuple[str, int]
 """A row that fires, or a mode that occurs, by number."""
 
@@ -66,12 +72,16 @@ class Path:
 
 @dataclass(frozen=True, eq=False)
 class _Trail:
-    """A run of the machine without its world: the path, the outputs in each state, and the row that fired in each step."""
+    """A run of the machine without its world: the path, the outputs in each state, and the row that fired in each step.
+
+    lawful  number of its first states that the world allows
+    """
 
     system: TransitionSystem
     path: Path
     outputs: tuple[Row, ...]
     fired: tuple[Row, ...]
+    lawful: int = 0
 
     def seen(self, steps: int | None) -> set[Event]:
         """Return the events of the first steps; of all steps if `steps` is None."""
@@ -103,7 +113,8 @@ def trodden(unchanged: Held, runs: Sequence[Run]) -> Trodden:
     lawful = [run for run in kept if run.has_ghosts]
     board = _Board(unchanged.system)
     layers = tuple(tuple(_paths(one, lawful)) for one in judging)
-    trails = tuple(board.trail(run) for run in kept)
+    allowed = {path.run.name: len(path.states) for path in layers[WORLD]}
+    trails = tuple(replace(board.trail(run), lawful=allowed.get(run.name, 0)) for run in kept)
     columns = [
         _columns(one.system, paths, [claim.good for claim in _judged(one)])
         for one, paths in zip(unchanged.layers, layers, strict=True)
@@ -286,17 +297,17 @@ def _otherwise(mutant: Held, known: Trodden) -> Played:
     """Return where outputs first differ along a recording and along any run, and the events before the mutant differs."""
     one, other = known.board[0].system, without_ghosts(mutant.system)
     outputs = any(term is not one.outputs[name] for name, term in other.outputs.items())
-    board, words, seen = _Board(mutant.system), dict[bool, str](), set[Event]()
+    board, words, seen, apart = _Board(mutant.system), dict[bool, str](), set[Event](), dict[Apart, None]()
     begins = known.on_board.first_different(_other_moves(other, one), ())
     for trail, moved in zip(known.board, begins, strict=True):
         seen |= trail.seen(moved)
         begin = 0 if outputs else moved
         if begin is not None and trail.path.run.recorded not in words:
-            found = board.differs(trail, begin)
+            found = board.differs(trail, begin, apart)
             if found:
                 words[trail.path.run.recorded] = found
     recorded = words.get(True, "")
-    return Played((), recorded, recorded or words.get(False, ""), frozenset(seen))
+    return Played((), recorded, recorded or words.get(False, ""), frozenset(seen), tuple(apart))
 
 
 def outputs_side_by_side(mutant: Held, known: Trodden) -> Iterator[tuple[dict[str, Value], dict[str, Value]]]:
@@ -337,10 +348,15 @@ class _Board:
         fired = tuple(self._fired(state, row) for state, row in zip(states, rows, strict=False))
         return _Trail(self._system, Path(run, rows, tuple(states)), outputs, fired)
 
-    def differs(self, trail: _Trail, begin: int) -> str:
-        """Return a text about the first state from `begin` on with other outputs than in `trail`; "" if there is none."""
+    def differs(self, trail: _Trail, begin: int, apart: dict[Apart, None]) -> str:
+        """Return a text about the first state from `begin` on with other outputs than in `trail`; "" if there is none.
+
+        Lawful states that differ are added to `apart`, until these are enough.
+        """
         path, state = trail.path, trail.path.states[begin]
         for number in range(begin, len(path.states)):
+            if number < trail.lawful and len(apart) < _APART and state != path.states[number]:
+                apart[path.states[number], state] = None
             now, was = self._look(state, ()), trail.outputs[number]
             if now != was:
                 names = zip(self._system.outputs.items(), now, was, strict=True)

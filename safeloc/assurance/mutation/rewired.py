@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from safeloc.assurance.mutation.declared import claimed
+from safeloc.assurance.mutation.delay import with_delay
 from safeloc.assurance.mutation.members import Composed, asked_of_the_whole, in_variables_of, joined
 from safeloc.language.checks.composition import Plan
 from safeloc.language.composition import plans_changed
@@ -28,30 +29,37 @@ class Rewired:
     claims: tuple[Property, ...]
 
 
-def rewired(composed: Composed, wires: Mapping[Var, Expr]) -> Rewired:
+def rewired(composed: Composed, wires: Mapping[Var, Expr], late: Sequence[Var] = ()) -> Rewired:
     """Return the composition made again with these wires; if it cannot be made again, only its wires are replaced.
+
+    late  wired inputs of one machine that get the values of the step before
 
     ModelError or PropertyError if the result is not a valid composition, or has no valid claims.
     """
     made, wrong = list[Plan](), _changed(composed.plan.wires, wires)
-    if composed.again is not None:
-        with plans_changed(lambda plan: _wired(plan, composed.plan, wrong, made)):
-            target = composed.again()
-        if made:
-            like = composed.target.system
-            system, change = in_variables_of(target.system, like)
-            alone = [replace(part, alone=right.alone) for part, right in zip(system.parts, like.parts, strict=True)]
-            claims, renaming = asked_of_the_whole(target.properties), _Renaming(change)
-            return Rewired(replace(system, parts=tuple(alone)), tuple(claimed(prop, renaming) for prop in claims))
-    return Rewired(joined(composed, composed.plan.machines[0], wires), composed.claims)
+    like = composed.target.system
+    with plans_changed(lambda plan: _wired(plan, composed.plan, wrong, late, made)):
+        target = None if composed.again is None else composed.again()
+        if target is None or not made:
+            return Rewired(_told_as(like, joined(composed, composed.plan.machines[0])), composed.claims)
+    system, change = in_variables_of(target.system, like)
+    claims, renaming = asked_of_the_whole(target.properties), _Renaming(change)
+    return Rewired(_told_as(like, system), tuple(claimed(prop, renaming) for prop in claims))
+
+
+def _told_as(like: TransitionSystem, system: TransitionSystem) -> TransitionSystem:
+    """Return the system with the outputs of `like` only, and its machines by themselves as they are there."""
+    alone = {part.name: part.alone for part in like.parts}
+    parts = tuple(replace(part, alone=alone.get(part.name, part.alone)) for part in system.parts)
+    return replace(system, parts=parts, outputs={name: system.outputs[name] for name in like.outputs})
 
 
 def _changed(right: Mapping[Var, Expr], wires: Mapping[Var, Expr]) -> dict[Var, Expr]:
     return {var: term for var, term in wires.items() if right.get(var) is not term}
 
 
-def _wired(plan: Plan, right: Plan, wrong: Mapping[Var, Expr], made: list[Plan]) -> Plan:
-    """Return the plan with the wrong wires, in its own variables, if it is that of the composition; otherwise the plan itself."""
+def _wired(plan: Plan, right: Plan, wrong: Mapping[Var, Expr], late: Sequence[Var], made: list[Plan]) -> Plan:
+    """Return the plan with the wrong and the late wires, in its own variables, if it is that of the composition; otherwise the plan itself."""
     if plan.name != right.name or _names(plan.machines) != _names(right.machines):
         return plan
     into = Substitution(
@@ -62,7 +70,8 @@ def _wired(plan: Plan, right: Plan, wrong: Mapping[Var, Expr], made: list[Plan])
         }
     )
     changed = {_var(into(var)): into(term) for var, term in wrong.items()}
-    made.append(replace(plan, wires={**plan.wires, **changed}))
+    rewired = replace(plan, wires={**plan.wires, **changed})
+    made.append(with_delay(rewired, [_var(into(var)) for var in late]) if late else rewired)
     return made[-1]
 
 

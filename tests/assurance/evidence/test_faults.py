@@ -17,10 +17,11 @@ from safeloc.assurance.evidence.top_event import INTERVAL, top_claims, top_event
 from safeloc.assurance.law_ids import ids_of
 from safeloc.errors import InputError
 from safeloc.language.composition import compose
-from safeloc.language.expr import number
+from safeloc.language.expr import Bool, any_of, boolean, number
 from safeloc.language.interpret import run
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.nodes import Value
+from safeloc.language.spec import always
 from safeloc.language.units import MM
 from safeloc.language.world import World
 from safeloc.proof.cache.store import Store
@@ -219,6 +220,41 @@ def _pair() -> tuple[Machine, Machine]:
         world = World({truth: ANY}, [next_], {truth: next_}, {"stays": next_ < 9, "is low": truth < 8})
         made.append(Machine(name, (on,), [], {}, {}, [Transition("stay", on, on)], world=world))
     return made[0], made[1]
+
+
+def _two_ears() -> Target:
+    """Two machines that hear the same thing, each with one law that matters and two that do not: the hazard is that both hear wrongly."""
+    (on,) = modes("ON")
+    machines, right = list[Machine](), list[Bool]()
+    for name in ("one", "two"):
+        heard, said, calm = boolean("heard"), boolean("said"), boolean("calm")
+        laws = {"it hears rightly": heard.iff(said), "it is calm": calm, "it says little": ~said | calm}
+        world = World({}, [said, calm], {}, laws)
+        machines.append(Machine(name, (on,), [heard], {}, {}, [Transition("stay", on, on)], world=world))
+        right.append(heard.iff(said))
+    whole = compose("ears", machines, {})
+    claim = always(
+        "one of both is right", any_of(whole.of(own)(term) for own, term in zip(machines, right, strict=True))
+    )
+    hazard = Hazard("both hear wrongly", ("one of both is right",))
+    return Target("ears", tuple(machines), whole.system, (claim,), hazard=hazard)
+
+
+def test_pairs_of_different_machines_are_proved_by_sets() -> None:
+    """Nine pairs: the one that does harm is found, and fewer proofs than pairs are asked for the others."""
+    heard = Heard()
+    by, whole = Breaking(Limits(seconds=10), 2, heard), _two_ears()
+    alone = by.singles(whole, by.cores(whole))
+    heard.results.clear()
+    both = by.pairs(whole, by.cores(whole), alone)
+    assert {"no hazard"} == {one.end for one in alone}
+    wrong = [one.broken for one in both if one.end == "hazard"]
+    assert [(ClauseId("one", "it hears rightly"), ClauseId("two", "it hears rightly"))] == wrong
+    assert 9 == len(both)
+    assert {"no hazard", "hazard"} == {one.end for one in both}
+    sets = [line for line in heard.results if "clauses:" in line]
+    assert [line for line in sets if "no harm" in line]
+    assert 9 > len([line for line in heard.results if line.startswith("without")])
 
 
 def test_clauses_of_a_composition_are_those_of_its_machines() -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from safeloc.language.composition import Composition, compose
 from safeloc.language.expr import Expr, NumVar, Var, boolean, number
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import COUNT, MM_S
+from safeloc.language.world import World
 from safeloc.target import Target
 
 SLOW_MM_S = 50
@@ -14,6 +17,8 @@ SPEED, LOUD = number("speed_mm_s", MM_S, 0, 100), boolean("loud")
 SEEN, LAST = number("seen_mm_s", MM_S, 0, 100), boolean("last_loud")
 SLOW, SILENT = boolean("slow"), boolean("silent")
 OPENED = number("opened", COUNT, 0, 9)
+IS_SLOW, IS_LOUD = boolean("is_slow"), boolean("is_loud")
+TRULY_SLOW, TRULY_LOUD = boolean("truly_slow"), boolean("truly_loud")
 
 
 def watch() -> Machine:
@@ -54,6 +59,24 @@ def listening() -> Target:
     hears = whole.of(second).bool(SILENT).iff(whole.of(first).bool(~LAST))
     heard = always("silence is heard", hears & earlier_bool(hears), unconditional=True)
     return Target("watched_door", (first, second), whole.system, (*_claims(whole, second), heard))
+
+
+def truthful() -> Target:
+    """Both with the truth: the watch's world moves it, the door's world is wired to it, and the door trusts the watch."""
+    first, second = watch(), door()
+    first = replace(
+        first, world=World({IS_SLOW: False, IS_LOUD: True}, (), {IS_SLOW: SPEED <= SLOW_MM_S, IS_LOUD: LOUD})
+    )
+    trusts = {"slow is true": SLOW.implies(TRULY_SLOW), "silence is true": SILENT.implies(~TRULY_LOUD)}
+    second = replace(second, world=World({}, (TRULY_SLOW, TRULY_LOUD), {}, trusts))
+    wires: dict[Var, Expr] = {
+        SLOW: first.flag("slow"),
+        SILENT: first.flag("silent"),
+        TRULY_SLOW: IS_SLOW,
+        TRULY_LOUD: IS_LOUD,
+    }
+    whole = compose("watched_door", [first, second], wires, discharge=[second])
+    return Target("watched_door", (first, second), whole.system, tuple(_claims(whole, second)))
 
 
 def _claims(whole: Composition, second: Machine) -> list[Property]:

@@ -13,7 +13,7 @@ from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
 from safeloc.assurance.mutation.judge_composition_mutant import composition_bench, of_wire, shared
 from safeloc.assurance.mutation.members import Composed, composed, joined
 from safeloc.assurance.mutation.places import Places, noted
-from safeloc.assurance.mutation.results import Judged, by_requirement
+from safeloc.assurance.mutation.results import Judged, Outcome, by_requirement
 from safeloc.assurance.mutation.rewired import rewired
 from safeloc.assurance.mutation.wires import wire_edits
 from safeloc.assurance.mutation.work import Plan
@@ -21,7 +21,7 @@ from safeloc.errors import InputError
 from safeloc.language.terms import alike
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
-from tests.assurance.mutation.door import listening, target
+from tests.assurance.mutation.door import listening, target, truthful
 
 PLAN = Plan(Limits(seconds=2), 0, 2)
 
@@ -85,6 +85,47 @@ def test_a_wrong_wire() -> None:
     )
     assert "survived" == cut.everywhere.fate
     assert {"watched_door"} == {crossed.machine, cut.machine}
+
+
+@pytest.mark.parametrize(
+    ("words", "claims"),
+    [
+        ("slow has the value of the cycle before", ("property open for slow ones only",)),
+        ("slow is always true", ("property open for slow ones only",)),
+        ("silent has the value of the cycle before", ()),
+    ],
+)
+def test_a_late_and_a_constant_wire(words: str, claims: tuple[str, ...]) -> None:
+    """The door opens for what was slow a cycle ago, or for everyone; that it listens late, nothing claims."""
+    one = found(words, "wire").everywhere
+    assert ("no longer proved" if claims else "survived", claims) == (one.fate, one.by)
+
+
+def test_a_wire_that_reads_the_truth() -> None:
+    """No machine on board may read a ghost: such a wire is refused, in these words."""
+    refused = truth_judged("wire reads the truth")
+    assert ["refused at birth"] * 2 == [one.fate for one in refused]
+    assert "the wire to 'slow', an on-board input, reads the ghost 'is_slow'" in refused[0].how
+
+
+def test_a_wire_to_the_truth() -> None:
+    """A wrong truth changes no output, yet is not equivalent: the contract speaks of it, or it is a question."""
+    noticed = ("no longer proved", ("contract of door holds",))
+    assert [noticed, ("survived", ())] == [(one.fate, one.by) for one in truth_judged("wire cut")]
+    assert [noticed] * 2 == [(one.fate, one.by) for one in truth_judged("another wire of the same unit")]
+
+
+def truth_judged(kind: str) -> list[Outcome]:
+    """What becomes of the wrong wires of this kind that read or carry the truth."""
+    with noted() as places:
+        whole = truthful()
+    made = composed(whole, places, truthful)
+    on = composition_bench(made, PLAN.limits)
+    return [
+        of_wire(on, edit)
+        for edit in wire_edits(made, places)
+        if kind == edit.mutant.kind and (edit.to_a_ghost or "ghost" in edit.mutant.words)
+    ]
 
 
 def test_a_claim_speaks_of_the_wire_that_is_there() -> None:
@@ -151,7 +192,7 @@ def test_every_mutant_is_told_once() -> None:
     some = parts(whole, places, most=None, seed=0)
     assert some.of == some.number == len(all_judged()) == len({one.id for one in all_judged()})
     assert {"REQ-1", "REQ-2"} == set(by_requirement(all_judged()))
-    assert 6 == len(wire_edits(whole, places))
+    assert 10 == len(wire_edits(whole, places))
 
 
 def test_what_was_judged_is_kept(tmp_path: Path) -> None:
