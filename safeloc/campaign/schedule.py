@@ -31,6 +31,10 @@ _ATTEMPTS = 1_000
 """Workers that may die with one shard before it is given up; a worker killed now and then is no fault of the shard."""
 
 
+_STARTS = 5
+"""Attempts to start the local workers."""
+
+
 @dataclass(frozen=True)
 class Where:
     """The place where shards run: this process, local worker processes, or a cluster whose scheduler has an address."""
@@ -162,15 +166,25 @@ def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
                 _refuse_others(client)
                 yield client, lambda: None
         else:
-            cluster = distributed.LocalCluster(
-                n_workers=where.workers,
+            with local_cluster(distributed, where.workers) as cluster, distributed.Client(cluster) as client:
+                yield client, Revival(client, cluster, where.workers)
+
+
+def local_cluster(distributed: Any, workers: int) -> Any:
+    """Return local workers, started again if one is killed while it starts; EngineError if they never start."""
+    why: Exception | None = None
+    for _ in range(_STARTS):
+        try:
+            return distributed.LocalCluster(
+                n_workers=workers,
                 threads_per_worker=1,
                 dashboard_address=None,
                 memory_limit=0,
                 silence_logs=logging.CRITICAL,
             )
-            with cluster, distributed.Client(cluster) as client:
-                yield client, Revival(client, cluster, where.workers)
+        except RuntimeError as error:
+            why = error
+    raise EngineError(f"{workers} local workers did not start in {_STARTS} attempts: {why} Run with --in-process.")
 
 
 @dataclass

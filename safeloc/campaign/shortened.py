@@ -8,7 +8,7 @@ margin no greater, with the laws kept or broken as before and no further clause 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -52,8 +52,9 @@ class _Messages:
     def halves(self) -> list[_Messages]:
         """Return both halves of the time; the one cycle cannot be halved."""
         middle = (self.begin + self.end) // 2
-        parts = [replace(self, end=middle), replace(self, begin=middle)]
-        return parts if self.begin < middle else []
+        if self.begin == middle:
+            return []
+        return [_Messages(self.kind, self.begin, middle), _Messages(self.kind, middle, self.end)]
 
 
 def shortened(judge: Judge, run: ManyRuns, cycle: int) -> ManyRuns:

@@ -20,9 +20,9 @@ from pyarrow import parquet
 from safeloc.campaign.declaration import Campaign, parse_campaign
 from safeloc.campaign.judged import Outcome, judge_of
 from safeloc.campaign.scenes import drawn_runs
-from safeloc.campaign.schedule import ASKED, Progress, Revival, Where, run_missing
+from safeloc.campaign.schedule import ASKED, Progress, Revival, Where, local_cluster, run_missing
 from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
-from safeloc.errors import InputError
+from safeloc.errors import EngineError, InputError
 from safeloc.language.interpret import Program, read_inputs, start, step
 from safeloc.language.system import lower
 from safeloc.own_module import load_module
@@ -206,6 +206,23 @@ def test_workers_that_are_gone_for_good_are_started_anew() -> None:
     assert scaled == []
     revive()
     assert scaled == [0, 3]
+
+
+def test_workers_that_are_killed_while_they_start_are_started_again() -> None:
+    """As often as that may be chance; where they never start, the message says what to do."""
+    left = [RuntimeError("Nanny failed to start."), RuntimeError("Nanny failed to start.")]
+
+    def start(**_: object) -> str:
+        if left:
+            raise left.pop()
+        return "cluster"
+
+    assert local_cluster(SimpleNamespace(LocalCluster=start), 2) == "cluster"
+    left.extend([RuntimeError("Nanny failed to start.")] * 100)
+    with pytest.raises(
+        EngineError, match=r"^2 local workers did not start in 5 attempts: Nanny failed to start\. Run with"
+    ):
+        local_cluster(SimpleNamespace(LocalCluster=start), 2)
 
 
 @pytest.mark.slow
