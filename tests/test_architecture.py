@@ -42,7 +42,12 @@ HEAVY = {
         "models/fibre/scenes/",
         "safeloc/railway/design/least_cost.py",
     ),
-    "scipy": ("safeloc/sensing/", "safeloc/campaign/statistics.py", "safeloc/railway/design/least_cost.py"),
+    "scipy": (
+        "safeloc/sensing/",
+        "safeloc/campaign/distributions.py",
+        "safeloc/campaign/statistics.py",
+        "safeloc/railway/design/least_cost.py",
+    ),
     "dask": ("safeloc/campaign/schedule.py",),
     "distributed": ("safeloc/campaign/schedule.py",),
     "duckdb": ("safeloc/campaign/aggregate.py",),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, between, was
+from safeloc.language.expr import Bool, all_of, before, between, was
 from safeloc.language.spec import Property, always
 from safeloc.models.verification import Verification
 from safeloc.models.verification import variables as v
@@ -20,6 +20,7 @@ def properties(model: Verification) -> Iterator[Property]:
     yield from _last_verification(model)
     yield from _comparisons(model)
     yield from _reason(model)
+    yield from _stored(model)
     yield from _forgotten(model)
 
 
@@ -93,6 +94,29 @@ def _reason(model: Verification) -> Iterator[Property]:
         "a trusted train is verified",
         machine.flag("trusted").implies(machine.output("reason").eq(v.VERIFIED)),
         statement="the reason of a trusted train is that it is verified",
+        requirements=COURSE,
+    )
+
+
+def _stored(model: Verification) -> Iterator[Property]:
+    """Claim that the last reading of each kind stays stored, with the margins of the last place."""
+    own, position = model.own, model.own.fibre_position
+    placed = own.associated & own.located & position.present
+    readings = (
+        (placed, own.front, position.value),
+        (placed, own.last_place, position.value),
+        (placed, own.front_margin_above, own.fibre_margin_above),
+        (placed, own.front_margin_below, own.fibre_margin_below),
+        (own.associated & own.fibre_length.present, own.last_length, own.fibre_length.value),
+        (own.associated & own.fibre_speed.present, own.last_speed, own.fibre_speed.value),
+    )
+    stays = all_of(
+        read.implies(stored.eq(reading)) & (read | stored.eq(before(stored))) for read, stored, reading in readings
+    )
+    yield for_all_inputs(
+        "the last reading of each kind is stored",
+        _followed(model).implies(stays),
+        statement="what the fibre read of a followed train's own pattern is stored until it reads the same again: place with margins, length, speed",
         requirements=COURSE,
     )
 

@@ -23,7 +23,7 @@ _MOST_TRIED = 300
 
 @dataclass(frozen=True)
 class _Seen:
-    """What a run shows in a cycle: whether an interval is reported, its margin, and the clauses broken so far."""
+    """Facts that a run shows in a cycle: whether an interval is reported, its margin, and the clauses broken so far."""
 
     told: bool
     margin_nm: int
@@ -52,9 +52,8 @@ class _Messages:
     def halves(self) -> list[_Messages]:
         """Return both halves of the time; the one cycle cannot be halved."""
         middle = (self.begin + self.end) // 2
-        if self.begin == middle:
-            return []
-        return [_Messages(self.kind, self.begin, middle), _Messages(self.kind, middle, self.end)]
+        both = _Messages(self.kind, self.begin, middle), _Messages(self.kind, middle, self.end)
+        return [] if self.begin == middle else list(both)
 
 
 def shortened(judge: Judge, run: ManyRuns, cycle: int) -> ManyRuns:
