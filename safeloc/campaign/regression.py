@@ -18,10 +18,10 @@ NAME = "test_found.py"
 def standing_at(target: Target, path: Path, cycle: int) -> Standing:
     """Replay a stream with its truth; return how the interval stands to the truth after a cycle (from 1 on)."""
     stream, _ = read_recording(target, path)
-    return standing_in(target, run_of(target.system, path, stream), cycle)
+    return _standing_in(target, run_of(target.system, path, stream), cycle)
 
 
-def standing_in(target: Target, run: Trace, cycle: int) -> Standing:
+def _standing_in(target: Target, run: Trace, cycle: int) -> Standing:
     """Return how the interval stands to the truth after a cycle (from 1 on) of a run, exactly: the truth is in nm."""
     reported, step = target.reported, run.steps[cycle - 1]
     assert reported is not None
