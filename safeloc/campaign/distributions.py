@@ -8,7 +8,6 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ConfigDict, Field, model_validator
-from scipy.special import ndtr
 
 from safeloc.config import Config
 
@@ -118,8 +117,10 @@ class Normal(_Declared):
 
     def density(self, values: Floats) -> Floats:
         """Return the probability density at values."""
-        low, high, at = ((np.asarray(one) - self.mean) / self.deviation for one in (self.low, self.high, values))
-        bell = np.exp(-at * at / 2) / (math.sqrt(2 * math.pi) * self.deviation * (ndtr(high) - ndtr(low)))
+        low, high = ((one - self.mean) / self.deviation for one in (self.low, self.high))
+        at = (values - self.mean) / self.deviation
+        within = (math.erf(high / math.sqrt(2)) - math.erf(low / math.sqrt(2))) / 2
+        bell = np.exp(-at * at / 2) / (math.sqrt(2 * math.pi) * self.deviation * within)
         return np.where((low <= at) & (at <= high), bell, 0.0)
 
 

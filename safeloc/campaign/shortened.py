@@ -23,7 +23,7 @@ _MOST_TRIED = 300
 
 @dataclass(frozen=True)
 class _Seen:
-    """Facts that a run shows in a cycle: whether an interval is reported, its margin, and the clauses broken so far."""
+    """The standing of a run in a cycle: whether an interval is reported, its margin, and the clauses broken so far."""
 
     told: bool
     margin_nm: int
