@@ -96,6 +96,24 @@ def _reason(model: Verification) -> Iterator[Property]:
         statement="the reason of a trusted train is that it is verified",
         requirements=COURSE,
     )
+    own, (_, withheld, _, untrusted) = model.own, machine.modes
+    placed, reason = own.located & own.fibre_position.present, machine.output("reason")
+    yield for_all_inputs(
+        "a withheld train has the first reason",
+        machine.mode.eq(withheld).implies(
+            reason.eq(v.NOT_ASSOCIATED).iff(~own.associated)
+            & reason.eq(v.NOT_LOCATED).iff(own.associated & ~placed)
+            & reason.ne(v.VERIFIED)
+        ),
+        statement="a train is withheld as not associated exactly if no pattern is its own, and as not located exactly if its pattern has no place",
+        requirements=COURSE,
+    )
+    yield for_all_inputs(
+        "untrusted is reported while a mismatch is latched",
+        machine.flag("untrusted").iff(machine.mode.eq(untrusted)),
+        statement="a train is reported as untrusted in the state in which a mismatch is latched, and in no other",
+        requirements=COURSE,
+    )
 
 
 def _stored(model: Verification) -> Iterator[Property]:
