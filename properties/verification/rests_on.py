@@ -111,8 +111,9 @@ def _reason(model: Verification) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "untrusted is reported while a mismatch is latched",
-        machine.flag("untrusted").iff(machine.mode.eq(untrusted)),
-        statement="a train is reported as untrusted in the state in which a mismatch is latched, and in no other",
+        machine.flag("untrusted").iff(machine.mode.eq(untrusted))
+        & machine.flag("revoked").implies(machine.flag("untrusted")),
+        statement="a train is reported as untrusted in the state in which a mismatch is latched, and in no other; only then a position is revoked",
         requirements=COURSE,
     )
 
