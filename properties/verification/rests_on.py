@@ -20,6 +20,7 @@ def properties(model: Verification) -> Iterator[Property]:
     yield from _last_verification(model)
     yield from _comparisons(model)
     yield from _reason(model)
+    yield from _given(model)
     yield from _stored(model)
     yield from _forgotten(model)
 
@@ -95,6 +96,43 @@ def _reason(model: Verification) -> Iterator[Property]:
         machine.flag("trusted").implies(machine.output("reason").eq(v.VERIFIED)),
         statement="the reason of a trusted train is that it is verified",
         requirements=COURSE,
+    )
+    own, (_, withheld, _, untrusted) = model.own, machine.modes
+    placed, reason = own.located & own.fibre_position.present, machine.output("reason")
+    yield for_all_inputs(
+        "a withheld train has the first reason",
+        machine.mode.eq(withheld).implies(
+            reason.eq(v.NOT_ASSOCIATED).iff(~own.associated)
+            & reason.eq(v.NOT_LOCATED).iff(own.associated & ~placed)
+            & reason.ne(v.VERIFIED)
+        ),
+        statement="a train is withheld as not associated exactly if no pattern is its own, and as not located exactly if its pattern has no place",
+        requirements=COURSE,
+    )
+    yield for_all_inputs(
+        "untrusted is reported while a mismatch is latched",
+        machine.flag("untrusted").iff(machine.mode.eq(untrusted))
+        & machine.flag("revoked").implies(machine.flag("untrusted")),
+        statement="a train is reported as untrusted in the state in which a mismatch is latched, and in no other; only then a position is revoked",
+        requirements=COURSE,
+    )
+
+
+def _given(model: Verification) -> Iterator[Property]:
+    """Claim that a train is trusted whenever nothing is missing and its verification is recent enough."""
+    machine, own, config = model.machine, model.own, model.own.config
+    _, _, trusted, _ = machine.modes
+    told = own.possible_high - own.possible_low <= config.place_doubt_limit_mm
+    complete = [own.associated & own.located & own.fibre_position.present & told]
+    complete += [own.control_axles.present | own.control_length.present] if config.needs_control_data else []
+    complete += [own.chain_tested] if config.needs_emitter else []
+    recent = before(machine.mode).eq(trusted) & ~own.due & (own.verified_ago <= config.currency_cycles)
+    yield for_all_inputs(
+        "a verified train is trusted",
+        (_followed(model) & all_of(complete) & (_counted(own) | _measured(own) | recent)).implies(
+            machine.flag("trusted")
+        ),
+        statement="a train of which nothing is missing is trusted in each cycle in which count or length matches, and for currency_cycles after it",
     )
 
 

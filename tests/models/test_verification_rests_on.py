@@ -28,6 +28,7 @@ def made() -> Verification:
         ("verified", "by_control_data", "train control is reported if it agreed"),
         ("still verified", "by_emitter", "the emitter is reported if it was tested"),
         ("verified", "why", "a trusted train is verified"),
+        ("not verified now", "why", "a withheld train has the first reason"),
         ("reference accepted", "front_margin_above_mm", "the last reading of each kind is stored"),
         ("mismatch", "last_length_mm", "nothing is kept of a train that is gone or untrusted"),
         ("train has left", "given_out", "without a train there is no record and nothing to revoke"),
