@@ -71,8 +71,7 @@ def _additional(model: Fibre) -> Iterator[Property]:
 
 def _latch(model: Fibre) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    faulted = machine.modes[-1]
-    mode = machine.mode
+    faulted, mode = machine.modes[-1], machine.mode
     yield _held(
         "F is latched",
         (before(mode).eq(faulted) & mode.ne(faulted)).implies(own.reference_accepted),

@@ -34,9 +34,12 @@ def _measured(model: StopPoint) -> Bool:
     return model.own.valid & model.own.precise
 
 
+_TOWARDS, _STOOD = ("APPROACH", "BRAKING", "CREEPING"), ("STOPPED", "SHORT")
+
+
 def _overrun(model: StopPoint) -> Iterator[Property]:
     own, overrun = model.own, model.in_mode("OVERRUN")
-    towards = earlier_bool(model.in_mode("APPROACH", "BRAKING", "CREEPING"))
+    towards, stood = (earlier_bool(model.in_mode(*some)) for some in (_TOWARDS, _STOOD))
     past = _measured(model) & (foremost(own) > far_end(own))
     yield for_all_inputs(
         "an overrun is reported on a measurement only",
@@ -50,9 +53,7 @@ def _overrun(model: StopPoint) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "found beyond only by a fine measurement",
-        (overrun & earlier_bool(model.in_mode("STOPPED", "SHORT"))).implies(
-            past & stands(own) & (rearmost(own) >= near_end(own))
-        ),
+        (overrun & stood).implies(past & stands(own) & (rearmost(own) >= near_end(own))),
         statement="the machine reports an overrun of a vehicle that stood in the window or before it only if the vehicle, as "
         "measured, is possibly beyond the window and surely not before it",
     )

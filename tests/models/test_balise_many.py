@@ -56,7 +56,7 @@ def together(those: Sequence[Vehicle], routes: Sequence[RouteSet] = ()) -> Mappi
     antennas = [Antenna(rng, 0.05, 0.02, 0.5, one.faults) for rng, one in zip(rngs, those, strict=True)]
     announced = {0: GROUPS} | {one.cycle: one.groups for one in routes}
     return simulate_many(
-        CONFIG, Line(GROUPS, announced, 5_000), [one.motion for one in those], distances, antennas
+        CONFIG, Line(GROUPS, [announced] * len(those), 5_000), [one.motion for one in those], distances, antennas
     ).inputs
 
 

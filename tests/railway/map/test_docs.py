@@ -44,5 +44,5 @@ def test_every_list_and_figure_is_told() -> None:
     assert [] == [name for name in LayoutConfig.model_fields if f"`{name}`" not in TEXT]
     rules = [getattr(Rules(LayoutConfig()), name) for name in vars(Rules) if not name.startswith("_")]
     named = [rule.name for rule in rules if isinstance(rule, Rule)]
-    assert 21 == len(named)
+    assert 24 == len(named)
     assert [] == [name for name in named if f"{name} |" not in TEXT and f"{name}," not in TEXT]
