@@ -44,7 +44,6 @@ HEAVY = {
     ),
     "scipy": (
         "safeloc/sensing/",
-        "safeloc/campaign/distributions.py",
         "safeloc/campaign/statistics.py",
         "safeloc/railway/design/least_cost.py",
     ),

@@ -97,7 +97,7 @@ def test_every_reader_of_a_simulation_begins_there(tmp_path: Path) -> None:
     """The self-check of generated code (on board: without the ghost), vehicles of a campaign, and a stream to prove around."""
     target = load_target(rolling(tmp_path))
     assert {"last_mm_s": 2_000} == next(run.first for run in sampled_runs(target) if run.name == "simulated")
-    runs = OwnSimulation(target).runs(Drawn(2, {}, {}, [VehicleSeed(0), VehicleSeed(1)]), 3, np.random.default_rng(0))
+    runs = OwnSimulation(target).runs(Drawn(2, {}, {}, [VehicleSeed(0), VehicleSeed(1)]), 3)
     assert {"last_mm_s": [2_000] * 2, "speed_mm_s": [2_000] * 2} == {
         name: np.asarray(values).tolist() for name, values in runs.first.items()
     }
