@@ -23,6 +23,8 @@ from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import Progressing
 from safeloc.proof.provers.limits import Limits
+from safeloc.proof.verification.other_figures import refused_recordings, with_fitting_recordings
+from safeloc.runtime.streams.gzipped import name_of
 
 
 class _Part(Enum):
@@ -77,6 +79,9 @@ def mutate(
     store, plan = store_in(cache), Plan(Limits(seconds=seconds, seed=seed), seed, jobs)
     parts: list[Of] = [one.value for one in of or [_Part.MACHINE]]
     with Progressing(1, quiet=as_json) as progress:
+        for path, why in refused_recordings(loaded).items():
+            progress.say(f"leaving out {name_of(path)}, recorded with other figures: {why}", 0)
+        loaded = with_fitting_recordings(loaded)
         known = _reasons(loaded, reasons, changed=config is not None)
         analysis = Analysis(
             loaded,

@@ -21,6 +21,7 @@ from safeloc.language.spec import Property
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.terms import Substitution
 from safeloc.language.units import Enumeration
+from safeloc.proof.verification.other_figures import with_fitting_recordings
 from safeloc.target import Target
 
 
@@ -97,7 +98,7 @@ class Declared:
 
 def declared(spec: str, config: Any = None) -> tuple[Target, Declared]:
     """Return a target and its declaration; InputError for a composition."""
-    target = load_target(spec, config)
+    target = with_fitting_recordings(load_target(spec, config))
     if len(target.machines) != 1:
         raise InputError(
             f"{target.name} is a composition of {', '.join(one.name for one in target.machines)}; give one of them."

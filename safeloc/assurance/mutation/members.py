@@ -21,6 +21,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import Part, TransitionSystem, lower
 from safeloc.language.terms import Substitution
+from safeloc.proof.verification.other_figures import with_fitting_recordings
 from safeloc.target import Target
 
 
@@ -66,7 +67,7 @@ def _by_name(target: Target) -> Callable[[], Target] | None:
     """Return what makes the target once more by its requested name, if it has one and its figures are not those of a named configuration."""
     if not target.spec or target.configuration:
         return None
-    return lambda: load_target(target.spec, target.config_file)
+    return lambda: with_fitting_recordings(load_target(target.spec, target.config_file))
 
 
 def _own_claims(target: Target, machine: Machine) -> tuple[Property, ...]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from safeloc.errors import StreamError
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers.antecedents import found
@@ -20,7 +19,8 @@ from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
 from safeloc.proof.provers.workers import Queue
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
-from safeloc.proof.verification.replay import replay_stream, run_recorded, run_with_truth
+from safeloc.proof.verification.other_figures import refused_recordings
+from safeloc.proof.verification.replay import replay_stream, run_with_truth
 from safeloc.proof.verification.unasked import as_left_open, left_open, nothing_asked
 from safeloc.proof.verification.witness_files import read_witnesses
 from safeloc.runtime.streams.gzipped import name_of
@@ -156,16 +156,10 @@ class Work:
     @cached_property
     def _streams(self) -> tuple[Path, ...]:
         """The recordings of the target, but for those of other figures that the machine cannot take; each of these is announced."""
-        if not self.target.other_figures:
-            return self.target.streams
-        found = []
-        for path in self.target.streams:
-            try:
-                run_recorded(self.target, path)
-                found.append(path)
-            except StreamError as error:
-                self.on_phase(f"leaving out {name_of(path)}, recorded with other figures: {error}", 0)
-        return tuple(found)
+        refused = refused_recordings(self.target)
+        for path, why in refused.items():
+            self.on_phase(f"leaving out {name_of(path)}, recorded with other figures: {why}", 0)
+        return tuple(path for path in self.target.streams if path not in refused)
 
     @cached_property
     def _witnesses(self) -> Witnesses:
