@@ -61,6 +61,11 @@ class LayoutConfig(Config):
     cable_slack_ppm: int = quantity(
         30_000, "ppm of track", 0, 1_000_000, "[M] a cable is 1 to 3 % longer than its track"
     )
+    tells_track: bool = Field(
+        default=False,
+        description="the vehicle tells its track by the machine `occupied_track`, so that the map has to suit this machine too",
+        json_schema_extra={"unit": "yes or no", "source": "[D] no: most vehicles tell a place on the line only"},
+    )
     shortest_edge_mm: int = quantity(
         10_000, "mm", 1, 1_000_000, "[D] that of the occupied track: between two switches, or a switch and a crossing"
     )

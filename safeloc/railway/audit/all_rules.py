@@ -33,7 +33,8 @@ def audit(line: Line, layout: LayoutConfig | None = None, vehicle: str = "defaul
     check_reflectors(walk, rules, ledger)
     check_balises(walk, rules, ledger)
     check_switches(walk, rules, ledger)
-    check_edges(walk, rules, ledger)
+    if layout.tells_track:
+        check_edges(walk, rules, ledger)
     check_stops(walk, rules, ledger)
     check_position_codes(walk, rules, ledger)
     routes, pairs = check_routes(walk, rules, ledger)

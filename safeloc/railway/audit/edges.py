@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 from safeloc.railway.audit.findings import Ledger
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.audit.stretches import name
@@ -24,11 +27,28 @@ def check_edges(walk: Walk, rules: Rules, ledger: Ledger) -> None:
         ledger.check(
             rules.ways_at_joints, walk.place(run, length), f"{node} from {run.edge} to {names}", ways=len(after)
         )
-        for offset, element in walk.references[run]:
+    for one in groups_before_joints(walk):
+        subject = f"{name(one.group)} before {walk.topology.end(one.run)}, {one.run.direction}"
+        ledger.check(rules.group_before_joint, walk.place(one.run, one.offset_mm), subject, to_joint_mm=one.to_joint_mm)
+
+
+@dataclass(frozen=True)
+class BeforeJoint:
+    """A group at `offset_mm` of a run that ends at a joint, and how far it is from its last balise in direction of travel to the joint."""
+
+    group: BaliseGroup
+    run: Run
+    offset_mm: int
+    to_joint_mm: int
+
+
+def groups_before_joints(walk: Walk) -> Iterator[BeforeJoint]:
+    """Yield each group for each end of its edge at which a vehicle may go on."""
+    for run in walk.runs:
+        length = walk.topology.length_mm(run)
+        for offset, element in walk.references[run] if walk.topology.after(run) else ():
             if isinstance(element, BaliseGroup):
-                to_joint_mm = length - _last_balise_mm(element, run, length)
-                subject = f"{name(element)} before {node}, {run.direction}"
-                ledger.check(rules.group_before_joint, walk.place(run, offset), subject, to_joint_mm=to_joint_mm)
+                yield BeforeJoint(element, run, offset, length - _last_balise_mm(element, run, length))
 
 
 def _last_balise_mm(group: BaliseGroup, run: Run, length_mm: int) -> int:

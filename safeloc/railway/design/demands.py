@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from heapq import heappop, heappush
 
+from safeloc.railway.audit.edges import groups_before_joints
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.audit.stretches import begins_mm, ends_mm
 from safeloc.railway.design.least_cost import Demand
@@ -193,3 +194,10 @@ def _reflectors_apart(options: Options, rules: Rules) -> Iterator[Demand]:
 
 def _not_both(options: Options, first: Reference, second: Reference) -> Demand:
     return Demand(frozenset(), frozenset([options.number_of(first), options.number_of(second)]))
+
+
+def off_joints(options: Options, rules: Rules) -> Iterator[Demand]:
+    """Yield the demand that a group nearer before a joint than the audit permits is not chosen."""
+    for one in groups_before_joints(options.walk) if rules.layout.tells_track else ():
+        if rules.group_before_joint.broken({"to_joint_mm": one.to_joint_mm}):
+            yield Demand(frozenset(), frozenset([options.number_of(one.group)]))

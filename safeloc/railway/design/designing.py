@@ -12,7 +12,7 @@ from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.findings import AuditReport
 from safeloc.railway.audit.rules import Rules
-from safeloc.railway.design.demands import Stretching, apart
+from safeloc.railway.design.demands import Stretching, apart, off_joints
 from safeloc.railway.design.figures import Added, Costs
 from safeloc.railway.design.function_tests import before_reflectors, tests
 from safeloc.railway.design.least_cost import Demand, bound, least, none_cheaper, weights
@@ -93,7 +93,8 @@ def _demanded(options: Options, reach: Reach) -> list[Demand]:
     ]
     rules = Rules(reach.layout)
     found = [
-        *kept, *originals, *Stretching(options, reach).demands(), *apart(options, rules), *before_reflectors(options, rules),
+        *kept, *originals, *Stretching(options, reach).demands(), *apart(options, rules),
+        *off_joints(options, rules), *before_reflectors(options, rules),
     ]  # fmt: skip
     return list(dict.fromkeys(found))
 

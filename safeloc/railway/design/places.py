@@ -119,6 +119,9 @@ class _Search:
             for kind in self._samples():
                 yield _Try(kind, run, 0)
                 yield _Try(kind, run, walk.topology.length_mm(run))
+            if self.reach.layout.tells_track and walk.topology.after(run):  # as near before the joint as a group may be
+                behind = self.added.balise_spacing_mm if run.direction == "increasing" else 0
+                yield _Try(BaliseGroup, run, walk.topology.length_mm(run) - self.reach.to_joint_mm - behind)
 
     def _anchors(self, walk: Walk) -> Iterator[_Try]:
         """Places as far from an entry, or from what stands, as either direction of travel permits."""

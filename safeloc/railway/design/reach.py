@@ -6,16 +6,21 @@ within the detection accuracy. The machine has to hold its position over that ru
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from functools import cached_property
 
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.models.line_runs.configs import LineVehicle, fitting
+from safeloc.railway.audit.rules import Rules
 from safeloc.railway.audit.stretches import fix_error_mm, longest
 from safeloc.railway.design.held_stretch import HeldStretch, held_stretch
 from safeloc.railway.map.elements import BaliseGroup
 from safeloc.railway.map.walk import Reference
+
+_FARTHEST_MM = 1_000_000
+"""Beyond it no rule asks for more distance to a joint."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,14 @@ class Reach:
         found = fitting(LineVehicle(layout=self.layout, trust_first=True), "balise")
         assert isinstance(found, BaliseConfig)
         return found
+
+    @cached_property
+    def to_joint_mm(self) -> int:
+        """The least distance from a group's last balise to a joint ahead that the audit permits."""
+        rule = Rules(self.layout).group_before_joint
+        return bisect_left(
+            range(_FARTHEST_MM), True, key=lambda to_joint_mm: not rule.broken({"to_joint_mm": to_joint_mm})
+        )
 
     @cached_property
     def _held(self) -> dict[int, HeldStretch | None]:

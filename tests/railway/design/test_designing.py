@@ -79,6 +79,16 @@ def test_no_choice_of_what_stands_is_cheaper(seed: int) -> None:
     assert found.least_eur <= found.cost_eur
 
 
+def test_a_vehicle_that_tells_its_track_has_no_group_too_near_before_a_joint() -> None:
+    """The cheapest line for others has a group at the end of the stem; with the rule it stands as near as permitted, or elsewhere."""
+    line, layout = crowded(1), LayoutConfig(tells_track=True)
+    plain, found = (design(Task(line, one, COSTS)) for one in (LayoutConfig(), layout))
+    assert plain is not None and found is not None
+    assert not holds(plain.line, layout)
+    assert holds(found.line, layout)
+    assert plain.cost_eur <= found.cost_eur
+
+
 def test_nothing_stands() -> None:
     """On an empty track of 1.3 km two groups do: no single one on a grid of 10 m does, and two take the least cost."""
     line, layout = straight(1_300_000), LayoutConfig()
