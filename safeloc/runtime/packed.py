@@ -9,17 +9,17 @@ from safeloc.errors import InputError
 from safeloc.runtime.outside import LARGEST_FILE, read_bytes, refuse_beyond
 
 SUFFIX = ".xz"
-QUICK, SMALL = 2, 6
-"""Presets of xz: SMALL takes six times as long as QUICK and saves a fifth."""
+_PRESET = 6
+"""Preset of xz: it takes six times as long as 2, and saves a fifth."""
 _OF_TEXT = {"pb": 0, "nice_len": 273}
 """Text has no aligned words, and long repetitions: a fiftieth smaller in the same time."""
 _MOST_MEMORY = 256 << 20
 """Bytes of memory for unpacking, besides the result."""
 
 
-def packed(data: bytes, effort: int = SMALL) -> bytes:
+def packed(data: bytes) -> bytes:
     """Return the content of a packed file; equal data give equal bytes."""
-    return lzma.compress(data, filters=[{"id": lzma.FILTER_LZMA2, "preset": effort, **_OF_TEXT}])
+    return lzma.compress(data, filters=[{"id": lzma.FILTER_LZMA2, "preset": _PRESET, **_OF_TEXT}])
 
 
 def read_packed(path: Path, most: int = LARGEST_FILE) -> bytes:

@@ -10,18 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
-from safeloc.runtime.packed import QUICK, SMALL, packed, read_packed
+from safeloc.runtime.packed import packed, read_packed
 
 CONTENT = b"a text of some length " * 40
 
 
-@given(st.binary(max_size=3000), st.sampled_from([QUICK, SMALL]))
-def test_it_comes_back(tmp_path_factory: pytest.TempPathFactory, data: bytes, effort: int) -> None:
+@given(st.binary(max_size=3000))
+def test_it_comes_back(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     """Whatever it is; equal data give equal files."""
     path = tmp_path_factory.getbasetemp() / "packed.xz"
-    path.write_bytes(packed(data, effort))
+    path.write_bytes(packed(data))
     assert data == read_packed(path)
-    assert packed(data, effort) == path.read_bytes()
+    assert packed(data) == path.read_bytes()
 
 
 def test_every_cut_is_noticed(tmp_path: Path) -> None:

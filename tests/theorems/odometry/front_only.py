@@ -4,7 +4,7 @@ The second one is the one-device machine; its rear reader reads nothing. Both ha
 reader. Whatever the rear units and the rear reader report, the first one must not be worse.
 
 No ghost is needed: both are compared on every stream on which neither turns about, the two devices do not exclude each
-other, and neither refuses what the front reader reads. `models/odometry/line_ahead.py` shows which streams these are.
+other, and neither refuses what the front reader reads. `tests/theorems/odometry/line_ahead.py` shows which streams these are.
 """
 
 from __future__ import annotations

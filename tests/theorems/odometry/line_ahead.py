@@ -1,6 +1,6 @@
 """Odometry on a line whose markers come in order, each once, and are read truly at the front; missed ones are allowed.
 
-What `models/odometry/front_only.py` asks of a stream is shown here of every stream on such a line: no reading is refused
+What `tests/theorems/odometry/front_only.py` asks of a stream is shown here of every stream on such a line: no reading is refused
 at the front, but for those in the very cycle in which the position is lost. (That the devices never exclude each other
 is an obligation of the odometry machine itself: that transition is proved impossible while its assumption is kept.)
 """
