@@ -21,12 +21,21 @@ WAITS = frozenset({
     "reflector/property/the test goes on with the distance run",
     "reflector/property/the reference reflector is found in time",
 })  # fmt: skip
+BELIEVED = "satellites, units that drift, one device, the first reference is believed"
 VACUOUS = {
     ("odometry", "one device, the first marker is believed"): WINDOWS,
+    ("odometry", BELIEVED): WINDOWS,
     ("reflector", "ultrasound in place of the radar"): WAITS,
 }
 """Claims whose case does not occur in a configuration. Odometry: there no reading is refused as out of its window (tests/models/test_variants.py).
 Reflector: the wheel's constant of 5 m, on both sides, is more than 6 m of tolerance, so a self-test is made at the balise and never waits."""
+
+
+UNDECIDED = {
+    ("odometry", BELIEVED): frozenset({"odometry/property/a position of satellites that is outside sets nothing"})
+}
+"""Claims that are neither proved nor refuted in a configuration. Of units that drift no lemma says yet that their margins hold what silent
+cycles add, so induction begins in states that no run reaches; bounded search finds no run that breaks the claim."""
 
 
 def open_in(entry: Entry[Any], name: str) -> dict[str, str]:
@@ -44,5 +53,6 @@ def _marked(case: tuple[str, str]) -> Any:
 @pytest.mark.parametrize(("machine", "name"), [_marked(case) for case in CASES])
 def test_every_configuration_is_proved(machine: str, name: str) -> None:
     """With the runs that ship with the machine, which show most cases."""
-    vacuous = VACUOUS.get((machine, name), frozenset())
-    assert dict.fromkeys(vacuous, "vacuous") == open_in(ENTRIES[machine], name)
+    vacuous, open_ = (some.get((machine, name), frozenset[str]()) for some in (VACUOUS, UNDECIDED))
+    expected = {**dict.fromkeys(vacuous, "vacuous"), **dict.fromkeys(open_, "unknown")}
+    assert expected == open_in(ENTRIES[machine], name)
