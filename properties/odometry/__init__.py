@@ -165,12 +165,11 @@ def _last_marker(model: Odometry) -> Iterator[Property]:
         earlier_bool(own.backwards),
         own.readers,
     )
-    counts = ite(back, _counts(rear), _counts(front))
     read = own.last_marker.eq(ite(back, rear.marker.value, front.marker.value))
     there = own.last_marker_position.eq(ite(back, rear.place.value, front.place.value))
     yield for_pairs(
         "the marker that the leading reader read last is stored",
-        (counts & mode.ne(lost) & own.backwards.iff(back)).implies(read & there),
+        (_leading_counts(own) & mode.ne(lost) & own.backwards.iff(back)).implies(read & there),
         statement="after a leading reading that passes every check its marker is the last one, with its place on the map",
     )
 
@@ -178,18 +177,12 @@ def _last_marker(model: Odometry) -> Iterator[Property]:
 def _last_marker_stays(model: Odometry) -> Iterator[Property]:
     """Claim that the last marker stays without a leading reading."""
     own, for_pairs = model.own, partial(for_all_inputs, requirements=("MRK-1", "MRK-5"))
-    mode, lost, back, (front, rear) = (
-        model.machine.mode,
-        model.machine.modes[0],
-        earlier_bool(own.backwards),
-        own.readers,
-    )
-    counts = ite(back, _counts(rear), _counts(front))
+    mode, lost = model.machine.mode, model.machine.modes[0]
     same_place = own.last_marker_position.eq(earlier_num(own.last_marker_position))
     stays = own.last_marker.eq(earlier_num(own.last_marker)) | own.last_marker.eq(0)
     yield for_pairs(
         "without a leading reading the last marker stays",
-        (~counts & mode.ne(lost) & before(mode).ne(lost)).implies(stays & same_place),
+        (~_leading_counts(own) & mode.ne(lost) & before(mode).ne(lost)).implies(stays & same_place),
         statement="without such a reading the last marker stays, or is forgotten",
     )
 
@@ -198,6 +191,12 @@ def _leads_before(own: Parts, end: int) -> Bool:
     """The reader at that end leads, by the direction of travel before the cycle."""
     back = earlier_bool(own.backwards)
     return back if end == 1 else ~back
+
+
+def _leading_counts(own: Parts) -> Bool:
+    """The reading of the reader that led before the cycle passed every check."""
+    front, rear = own.readers
+    return ite(earlier_bool(own.backwards), _counts(rear), _counts(front))
 
 
 def _counts(reader: Reader) -> Bool:
