@@ -11,9 +11,10 @@ import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib.machinery import SourceFileLoader
 from inspect import isfunction
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
 from safeloc.errors import InputError, SafelocError
@@ -186,16 +187,39 @@ def _pictures(module: ModuleType, system: TransitionSystem) -> tuple[Picture, ..
     return tuple(declared)
 
 
+class _AsItStands(SourceFileLoader):
+    """Compiles the text of the file as it is now, never byte code kept beside it.
+
+    Python takes a file of equal size and second of change for unchanged: a guard that was edited from 5 to 6 within a second would
+    be proved as it was before.
+    """
+
+    def get_code(self, fullname: str) -> CodeType:
+        path = self.get_filename(fullname)
+        return self.source_to_code(self.get_data(path), path)
+
+
+@contextmanager
+def _no_byte_code() -> Iterator[None]:
+    """Keep no byte code of what a user's file imports, for the same reason."""
+    before = sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
+    try:
+        yield
+    finally:
+        sys.dont_write_bytecode = before
+
+
 def load_module(where: str) -> ModuleType:
     """Load a Python file, or a module on the path or in the working folder; InputError if it cannot be loaded."""
     if where.endswith(".py"):
         path = Path(where)
-        found = importlib.util.spec_from_file_location(path.stem, path)
+        found = importlib.util.spec_from_file_location(path.stem, path, loader=_AsItStands(path.stem, where))
         if not path.is_file() or found is None or found.loader is None:
             raise InputError(f"{where}: no such Python file.")
         module = importlib.util.module_from_spec(found)
         try:
-            with as_input_error(where):
+            with as_input_error(where), _no_byte_code():
                 found.loader.exec_module(module)
         except ModuleNotFoundError as error:
             raise InputError(f"{where}: {error}. Install it, or start safeloc where it can be found.") from error
@@ -203,7 +227,7 @@ def load_module(where: str) -> ModuleType:
     if str(Path.cwd()) not in sys.path:
         sys.path.insert(0, str(Path.cwd()))
     try:
-        with as_input_error(where):
+        with as_input_error(where), _no_byte_code():
             return importlib.import_module(where)
     except ModuleNotFoundError as error:
         raise InputError(

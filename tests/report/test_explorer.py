@@ -139,6 +139,28 @@ def test_enter_opens_the_first_hit(page: Page, report: Path) -> None:
     assert "statement of good" in page.text("#overview-found li")
 
 
+_EARLIER_IS_LATER = """(() => {
+    const plain = Response.prototype.text;
+    window.unpacked = 0;
+    Response.prototype.text = async function () {
+        const text = await plain.call(this);
+        await new Promise(done => setTimeout(done, 600 - 200 * Math.min(window.unpacked++, 2)));
+        return text;
+    };
+})()"""
+
+
+def test_a_search_that_was_overtaken_closes_nothing(page: Page, report: Path) -> None:
+    """Each key searches, before the results have been read; those of the last one stay, and they are read once."""
+    page.open(report)
+    page.js(_EARLIER_IS_LATER)
+    page.type("#overview-words", "good", ENTER)
+    page.until("document.querySelector('#overview-found .leads') !== null")
+    page.driver.execute_async_script("setTimeout(arguments[0], 700)")
+    assert page.js("document.querySelector('#overview-found details[open] .leads') !== null")
+    assert page.js("window.unpacked") == 1
+
+
 def test_a_place_in_a_part_is_found(page: Page, report: Path) -> None:
     """A link to the row of a result opens the part in which it is, and the fold around it."""
     page.open(report, "#search=tried")

@@ -6,24 +6,33 @@ const KIND_ORDER = ["property", "requirement", "assumption", "lemma", "obligatio
 const FIELDS = ["machine", "kind", "verdict", "name", "statement", "method", "assumption", "reason"];
 
 const overview = JSON.parse(place("overview-known").textContent);
-let everything = null;
+let reading = null; // the promise of all results, once somebody asked for them
+let searches = 0;
 
-async function results() {
-  if (everything) return everything;
+/* Results that could not be read are asked for again the next time. */
+function results() {
+  reading ??= read().catch((error) => {
+    reading = null;
+    throw error;
+  });
+  return reading;
+}
+
+async function read() {
   const data = await fetched("results all", overview.results);
   if (data.made !== overview.made) throw new Error(`${overview.results} is of another report than this page. ${AGAIN}`);
-  everything = data.rows.map((row) => {
+  const everything = data.rows.map((row) => {
     const one = Object.fromEntries(FIELDS.map((field, at) => [field, data.words[row[at]]]));
     [one.requirements, one.laws, one.certificates, one.steps, one.at, one.declared, one.source] = row.slice(FIELDS.length);
     one.id = one.steps === null ? "" : `${one.machine}/${one.kind}/${one.name}`;
     one.text = [...FIELDS.map((field) => one[field]), ...one.requirements, ...one.laws, one.declared].join(" ").toLowerCase();
     return one;
   });
-  for (const field of ["machine", "kind", "verdict"]) choices(field);
+  for (const field of ["machine", "kind", "verdict"]) choices(field, everything);
   return everything;
 }
 
-function choices(field) {
+function choices(field, everything) {
   const found = [...new Set(everything.map((one) => one[field]).filter(Boolean))];
   const before = place(`overview-${field}`).value;
   const options = found.map((value) => element("option", { value, selected: value === before }, value));
@@ -38,7 +47,9 @@ function wanted() {
   return { words, chosen, any: words.length + chosen.length > 0 };
 }
 
+/* Shows what was found. A search that another one has overtaken shows nothing: it would close what has been opened since. */
 async function search(most = MOST_ROWS) {
+  const mine = ++searches;
   const { words, chosen, any } = wanted();
   const box = place("overview-found");
   if (!any) {
@@ -47,7 +58,9 @@ async function search(most = MOST_ROWS) {
     return;
   }
   try {
-    const found = (await results()).filter(
+    const all = await results();
+    if (mine !== searches) return;
+    const found = all.filter(
       (one) => chosen.every(([field, value]) => one[field] === value) && words.every((word) => one.text.includes(word)),
     );
     const asked = words.join(" ");
@@ -57,7 +70,7 @@ async function search(most = MOST_ROWS) {
     box.replaceChildren(element("ul", {}, ...found.slice(0, most).map(row)), ...(found.length > most ? [more] : []));
     remember(words, chosen);
   } catch (error) {
-    place("overview-count").textContent = error.message;
+    if (mine === searches) place("overview-count").textContent = error.message;
   }
 }
 
