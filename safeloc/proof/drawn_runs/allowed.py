@@ -1,23 +1,29 @@
 """Segments of one variable in which a condition holds, and the distance to its failure: guidance for searches.
 
 Condition(term).segments(var, values)   the intervals of values of `var` for which it holds, the rest held fixed
+Allowed(var, conditions).segments(values)   the same of several conditions at once
 Slack(term)(values)                     the least numeric distance to failing
 """
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from operator import itemgetter
 
 from safeloc.codegen.compiled import compile_terms
 from safeloc.language.expr import Bool, Expr, NumVar, Var
 from safeloc.language.interpret import Program, evaluate
-from safeloc.language.nodes import Add, And, Compare, Lit, Mul, Not, Num, Or, Sub, Truth, Value
-from safeloc.language.terms import children, conjuncts, in_order, variables
+from safeloc.language.nodes import Add, And, Choose, Compare, Lit, Mul, Not, Num, Or, Sub, Value, any_of
+from safeloc.language.terms import children, in_order, variables
 from safeloc.language.units import ONE
 
 Segment = tuple[int, int]
+_FEW = 3
+_TRIED = 0.8
+"""Share of the searches that first try a few values."""
 
 
 class Condition:
@@ -30,31 +36,211 @@ class Condition:
         self._below = _variables_below(term)
         self._compares = [node for node in self._below if isinstance(node, Compare)]
         self._along: dict[Var, _Along] = {}
-        self._truth = compiled_terms(tuple(self.reads), [term])
+        self._straight: dict[Var, Allowed] = {}
+
+    @cached_property
+    def _truth(self) -> Callable[[Sequence[Value]], Sequence[Value]]:
+        return compiled_terms(tuple(self.reads), [self.term])
 
     def holds(self, values: Mapping[Var, Value]) -> bool:
         """Return whether the condition is true for the values."""
         return bool(self._truth(self._row(values))[0])
 
-    def segments(self, var: NumVar, values: Mapping[Var, Value]) -> list[Segment]:
-        """Return intervals of values of `var` for which the condition holds, in order; the other variables stay as they
-        are.
+    def segments(self, var: NumVar, values: Mapping[Var, Value], within: Segment | None = None) -> list[Segment]:
+        """Return intervals of values of `var`, or of those `within`, for which the condition holds, in order; the other variables
+        stay as they are.
 
         Comparisons are taken as linear between two neighbouring probes. If one is not, an interval may lack values or have wrong
         ones, so the caller has to check the condition again.
         """
+        if var not in self._along and var not in self._straight:
+            if self.straight(var) is None:
+                self._along[var] = _along(var, tuple(self.reads), self._compares, self._below)
+            else:
+                self._straight[var] = Allowed(var, [self])
+        if var in self._straight:
+            return list(self._straight[var].segments(values, within))
+        along = self._along[var]
         row = list(self._row(values))
         at = self.reads[var]
-        if var not in self._along:
-            self._along[var] = _along(var, tuple(self.reads), self._compares, self._below)
-        begins = sorted({var.low, *self._along[var].cuts(row, at)})
-        ends = [*(begin - 1 for begin in begins[1:]), var.high]
+        low, high = within or (var.low, var.high)
+        begins = sorted({low, *(cut for cut in along.cuts(row, at) if low < cut <= high)})
+        ends = [*(begin - 1 for begin in begins[1:]), high]
         pieces = zip(begins, ends, strict=True)
         return _joined([(low, high) for low, high in pieces if self._is_true(row, at, (low + high) // 2)])
+
+    def straight(self, var: NumVar) -> _Straight | None:
+        """Return the condition as a disjunction of comparisons linear in the variable; None if it is none."""
+        return _straight(var, self.term, self._below)
 
     def _is_true(self, row: list[Value], at: int, value: int) -> bool:
         row[at] = value
         return bool(self._truth(row)[0])
+
+
+class Together:
+    """Conditions that are evaluated at once, as one function that is compiled when it is first needed."""
+
+    def __init__(self, conditions: Sequence[Condition]) -> None:
+        self.conditions = conditions
+
+    @cached_property
+    def _code(self) -> tuple[Callable[[Mapping[Var, Value]], Sequence[Value]], Callable[[Sequence[Value]], Sequence[Value]]]:
+        reads = tuple(dict.fromkeys(var for one in self.conditions for var in one.reads))
+        return _row_of(reads), compiled_terms(reads, [one.term for one in self.conditions])
+
+    def holds(self, values: Mapping[Var, Value]) -> Sequence[Value]:
+        """Return the truth of each condition for the values."""
+        row, code = self._code
+        return code(row(values))
+
+
+@dataclass(frozen=True, eq=False)
+class _Straight:
+    """A disjunction whose parts that read one variable are all comparisons linear in it: its segments follow without any trial.
+
+    parts   the disjunction of all other parts; then of each comparison right side minus left side, and how much this grows when the
+            variable grows by 1
+    kinds   the operator of each comparison, `!=` too
+    """
+
+    parts: tuple[Expr, ...]
+    kinds: tuple[str, ...]
+
+    def segments(self, numbers: Sequence[Value], var: NumVar, here: int) -> list[Segment]:
+        """Return the intervals in which the disjunction holds, in order, for the values of its parts where the variable is `here`."""
+        low, high = var.low, var.high
+        if numbers[0]:
+            return [(low, high)]
+        found = list[Segment]()
+        for place, op in enumerate(self.kinds):
+            for begin, end in _kept(here, int(numbers[2 * place + 1]), op, int(numbers[2 * place + 2]), low, high):
+                if begin <= high and end >= low:
+                    found.append((max(begin, low), min(end, high)))
+        return found if len(found) < 2 else _united(found)
+
+
+class Allowed:
+    """The values of one variable that several conditions allow at once."""
+
+    def __init__(self, var: NumVar, conditions: Sequence[Condition]) -> None:
+        self._var = var
+        kinds = [one.straight(var) for one in conditions]
+        self._straight = [kind for kind in kinds if kind is not None]
+        self._bent = [one for one, kind in zip(conditions, kinds, strict=True) if kind is None]
+        terms = [part for kind in self._straight for part in kind.parts]
+        reads = tuple(variables(terms))
+        self._row, self._code = _row_of(reads), compiled_terms(reads, terms)
+        self._together = Together(self._bent)
+
+    def some(self, values: Mapping[Var, Value], draw: random.Random) -> Sequence[Segment]:
+        """Return some values for which all conditions hold, each as a segment, or all intervals of them; empty if there are none.
+
+        Mostly a few values are tried, at the ends of what the linear conditions allow and within: to find where the others hold
+        takes much longer.
+        """
+        found = self._straight_segments(values, (self._var.low, self._var.high))
+        if not found or not self._bent:
+            return found
+        if draw.random() < _TRIED:
+            low, high = draw.choice(found)
+            trial = dict(values)
+            kept = list[Segment]()
+            for value in sorted({low, high, draw.randint(low, high)}):
+                trial[self._var] = value
+                if all(self._together.holds(trial)):
+                    kept.append((value, value))
+            if kept:
+                return kept
+        return self._narrowed(values, found)
+
+    def segments(self, values: Mapping[Var, Value], within: Segment | None = None) -> Sequence[Segment]:
+        """Return the intervals, or what of them is `within`, in which all conditions hold, in order; the other variables stay as
+        they are.
+        """
+        return self._narrowed(values, self._straight_segments(values, within or (self._var.low, self._var.high)))
+
+    def _straight_segments(self, values: Mapping[Var, Value], within: Segment) -> Sequence[Segment]:
+        var, here = self._var, int(values[self._var])
+        numbers, begin = self._code(self._row(values)), 0
+        found: Sequence[Segment] = [within]
+        for kind in self._straight:
+            end = begin + len(kind.parts)
+            if not numbers[begin]:
+                found = common(found, kind.segments(numbers[begin:end], var, here))
+                if not found:
+                    return found
+            begin = end
+        return found
+
+    def _narrowed(self, values: Mapping[Var, Value], found: Sequence[Segment]) -> Sequence[Segment]:
+        """Return the part of the segments in which the conditions hold that are not linear in the variable."""
+        for one in self._bent:
+            if not found:
+                return found
+            if _few(found):
+                found = _where(one, self._var, values, found)
+            else:
+                found = common(found, one.segments(self._var, values, (found[0][0], found[-1][1])))
+        return found
+
+
+def _few(segments: Sequence[Segment]) -> bool:
+    """Return whether to try the values in the segments is quicker than to find the segments of one more condition."""
+    return sum(high - low + 1 for low, high in segments) <= _FEW
+
+
+def _where(condition: Condition, var: NumVar, values: Mapping[Var, Value], segments: Sequence[Segment]) -> list[Segment]:
+    """Return those of few values for which the condition holds, each as a segment."""
+    tried = [value for low, high in segments for value in range(low, high + 1)]
+    return [(value, value) for value in tried if condition.holds({**values, var: value})]
+
+
+def _kept(here: int, gap: int, op: str, slope: int, low: int, high: int) -> tuple[Segment, ...]:
+    """Return the intervals in which a comparison holds whose gap at `here` grows by `slope` a step; they may exceed the range."""
+    if not slope:
+        holds = {"<": gap > 0, "<=": gap >= 0, "==": gap == 0, "!=": gap != 0}[op]
+        return ((low, high),) if holds else ()
+    steps, rest = divmod(-gap, slope)
+    root = here + steps  # or the whole number below it
+    if op == "==":
+        return () if rest else ((root, root),)
+    if op == "!=":
+        return ((low, high),) if rest else ((low, root - 1), (root + 1, high))
+    at_root = op == "<=" and not rest
+    if slope > 0:
+        return ((root if at_root else root + 1, high),)
+    return ((low, root if at_root or rest else root - 1),)
+
+
+def _united(segments: Sequence[Segment]) -> list[Segment]:
+    """Return the union, in order."""
+    united = list[Segment]()
+    for low, high in sorted(segments):
+        if united and low <= united[-1][1] + 1:
+            united[-1] = (united[-1][0], max(high, united[-1][1]))
+        else:
+            united.append((low, high))
+    return united
+
+
+def _straight(var: NumVar, term: Bool, below: Mapping[Expr, frozenset[Var]]) -> _Straight | None:
+    """Return the condition as a disjunction of comparisons linear in the variable; None if it is none."""
+    others, numbers, kinds = list[Bool](), list[Expr](), list[str]()
+    for part in term.parts if isinstance(term, Or) else (term,):
+        if var not in below[part]:
+            others.append(part)
+            continue
+        negated = isinstance(part, Not)
+        compared = part.inner if isinstance(part, Not) else part
+        if not isinstance(compared, Compare) or (negated and compared.op != "=="):
+            return None
+        slope = _slope_of_gap(compared, var, below)
+        if slope is None:
+            return None
+        numbers += [Sub(compared.right, compared.left, ONE), slope]
+        kinds.append("!=" if negated else compared.op)
+    return _Straight((any_of(others), *numbers), tuple(kinds))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +258,7 @@ class _Along:
     bent: Callable[[Sequence[Value]], Sequence[Value]] | None
 
     def cuts(self, row: list[Value], at: int) -> set[int]:
-        """Return the values of the variable from which on a comparison may differ from the value before; the row is unchanged
+        """Return the values, some beyond the range, from which on a comparison may differ from the value before; the row is unchanged
         afterwards.
 
         They are exact for linear comparisons. Of the others all values near an estimated root are such values.
@@ -88,7 +274,7 @@ class _Along:
                 for root in _roots(self.bent, row, at, probe, step):
                     found.update((root - 1, root, root + 1, root + 2))
             row[at] = here
-        return {cut for cut in found if low < cut <= high}
+        return found
 
 
 def _flips(here: int, gap: int, op: str, slope: int) -> tuple[int, ...]:
@@ -117,7 +303,7 @@ def _along(
 ) -> _Along:
     reading = [node for node in compares if var in below[node]]
     gaps = {node: Sub(node.right, node.left, ONE) for node in reading}
-    slopes = {node: _slope(gap, var, below) for node, gap in gaps.items()}
+    slopes = {node: _constant(_slope_of_gap(node, var, below)) for node in reading}
     bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
     return _Along(
         var,
@@ -127,21 +313,63 @@ def _along(
     )
 
 
-def _slope(term: Num, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> int | None:
-    """Return how much a term grows when the variable grows by 1; None if that depends on the values."""
+def _slope_of_gap(node: Compare, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> Num | None:
+    """Return how much the right side minus the left side grows when the variable grows by 1; None if that depends on the variable."""
+    left, right = _slope(node.left, var, below), _slope(node.right, var, below)
+    return None if left is None or right is None else _added(right, left, -1)
+
+
+def _constant(slope: Num | None) -> int | None:
+    return slope.value if isinstance(slope, Lit) else None
+
+
+def _slope(term: Num, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> Num | None:
+    """Return how much a term grows when the variable grows by 1, as a term without it; None if that depends on the variable."""
+    if var not in below[term]:
+        return Lit(0, ONE)
     match term:
         case NumVar():
-            return int(term is var)
+            return Lit(1, ONE)
         case Add(left, right) | Sub(left, right):
             first, second = _slope(left, var, below), _slope(right, var, below)
-            if first is None or second is None:
-                return None
-            return first + second if isinstance(term, Add) else first - second
-        case Mul(Lit(factor), inner) | Mul(inner, Lit(factor)):
-            grows = _slope(inner, var, below)
-            return None if grows is None else factor * grows
+            return None if first is None or second is None else _added(first, second, 1 if isinstance(term, Add) else -1)
+        case Mul(left, right):
+            factor, inner = (right, left) if var in below[left] else (left, right)
+            grows = None if var in below[factor] else _slope(inner, var, below)
+            return None if grows is None else _multiplied(factor, grows)
+        case Choose(condition, then, other) if var not in below[condition]:
+            first, second = _slope(then, var, below), _slope(other, var, below)
+            return None if first is None or second is None else _chosen(condition, first, second)
         case _:
-            return None if var in below[term] else 0
+            return None
+
+
+def _added(first: Num, second: Num, sign: int) -> Num:
+    match first, second:
+        case Lit(one), Lit(two):
+            return Lit(one + sign * two, ONE)
+        case _, Lit(0):
+            return first
+        case _:
+            return (Add if sign > 0 else Sub)(first, second, ONE)
+
+
+def _multiplied(factor: Num, grows: Num) -> Num:
+    match factor, grows:
+        case Lit(one), Lit(two):
+            return Lit(one * two, ONE)
+        case _, Lit(1):
+            return factor
+        case _:
+            return Mul(factor, grows, ONE)
+
+
+def _chosen(condition: Bool, first: Num, second: Num) -> Num:
+    match first, second:
+        case Lit(one), Lit(two) if one == two:
+            return first
+        case _:
+            return Choose(condition, first, second, ONE)
 
 
 def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
@@ -193,11 +421,6 @@ def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]
     """Intersect two lists of segments."""
     pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
     return [(low, high) for low, high in pairs if low <= high]
-
-
-def falsifiable(term: Bool) -> list[Bool]:
-    """Return the parts of a conjunction that may be false."""
-    return [part for part in conjuncts(term) if not (isinstance(part, Truth) and part.value)]
 
 
 class Slack:

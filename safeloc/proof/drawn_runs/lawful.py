@@ -19,9 +19,11 @@ from safeloc.language.interpret import start
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.proof.drawn_runs.allowed import Condition, Segment, common, falsifiable
+from safeloc.proof.drawn_runs.allowed import Allowed, Condition, Segment, Together
+from safeloc.proof.drawn_runs.parts import falsifiable
 
-_REPAIRS = 20
+_REPAIRS, _REPAIRS_A_PART = 40, 3
+"""Attempts to repair a step: so many, and so many for each part that is broken at first."""
 ATTEMPTS = 5
 _GHOSTS_FIRST = 0.8
 Pick = Callable[[NumVar, int, int], int]
@@ -46,7 +48,9 @@ class Repair:
         self._present = {option.value: option.present for option in system.optionals}
         self._value = {option.present: option.value for option in system.optionals}
         self._free = {c: [var for var in c.reads if var in inputs] for c in self._conditions}
-        self._readers = {var: [c for c in self._conditions if var in c.reads] for var in system.inputs}
+        self._all = Together(self._conditions)
+        self._readers = {var: Together([c for c in self._conditions if var in c.reads]) for var in system.inputs}
+        self._along = dict[NumVar, Allowed]()
 
     def mend(
         self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], draw: random.Random, pick: Pick | None = None
@@ -54,13 +58,15 @@ class Repair:
         """Find inputs that satisfy the assumption, or None. `pick` chooses within the allowed values."""
         pick = pick or any_end(draw)
         values = {**state, **inputs}
-        holds = {one: one.holds(values) for one in self._conditions}
-        for attempt in range(_REPAIRS):
+        holds = dict(zip(self._conditions, self._all.holds(values), strict=True))
+        most = _REPAIRS + _REPAIRS_A_PART * list(holds.values()).count(False)
+        for attempt in range(most):
             broken = [one for one, kept in holds.items() if not kept]
             if not broken:
                 return {var: values[var] for var in self._system.inputs}
-            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / _REPAIRS):
-                holds |= {one: one.holds(values) for one in self._readers[var]}
+            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / most):
+                readers = self._readers[var]
+                holds.update(zip(readers.conditions, readers.holds(values), strict=True))
         return None
 
     def _mend_one(
@@ -69,7 +75,7 @@ class Repair:
         """Repair one broken part; return the variables that were changed."""
         candidates = self._ordered(broken, values, draw)
         for var in candidates:
-            allowed = self._allowed(broken, var, values)
+            allowed = self._allowed(var, values, draw)
             if allowed:
                 values[var] = pick(var, *draw.choice(allowed))
                 return [var]
@@ -91,13 +97,11 @@ class Repair:
         ghosts_first = draw.random() < _GHOSTS_FIRST
         return sorted(mixed, key=lambda var: (var not in self._system.ghosts) == ghosts_first)
 
-    def _allowed(self, broken: Condition, var: NumVar, values: Mapping[Var, Value]) -> Sequence[Segment]:
-        """Return the segments of `var` in which the broken part and every other part that reads `var` hold."""
-        found: Sequence[Segment] = broken.segments(var, values)
-        for other in self._readers[var]:
-            if found and other is not broken:
-                found = common(found, other.segments(var, values))
-        return found
+    def _allowed(self, var: NumVar, values: Mapping[Var, Value], draw: random.Random) -> Sequence[Segment]:
+        """Return segments of `var`, or some of them, in which every part that reads it holds."""
+        if var not in self._along:
+            self._along[var] = Allowed(var, self._readers[var].conditions)
+        return self._along[var].some(values, draw)
 
     def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> Sequence[Var]:
         """Flip one or two truth values, such as the presence of a measurement, so that the broken part holds.

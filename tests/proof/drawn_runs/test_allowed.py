@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from safeloc.language.expr import TRUE, Bool, abs_, all_of, between, boolean, ite, maximum, number
 from safeloc.language.interpret import evaluate
 from safeloc.language.units import MM
-from safeloc.proof.drawn_runs.allowed import Condition, Slack, common, falsifiable
+from safeloc.proof.drawn_runs.allowed import Condition, Slack, common
+from safeloc.proof.drawn_runs.parts import falsifiable
 
 X, Y, FLAG = number("x", MM, -60, 60), number("y", MM, -60, 60), boolean("flag")
 CONDITIONS = [
