@@ -85,7 +85,9 @@ class Together:
         self.conditions = conditions
 
     @cached_property
-    def _code(self) -> tuple[Callable[[Mapping[Var, Value]], Sequence[Value]], Callable[[Sequence[Value]], Sequence[Value]]]:
+    def _code(
+        self,
+    ) -> tuple[Callable[[Mapping[Var, Value]], Sequence[Value]], Callable[[Sequence[Value]], Sequence[Value]]]:
         reads = tuple(dict.fromkeys(var for one in self.conditions for var in one.reads))
         return _row_of(reads), compiled_terms(reads, [one.term for one in self.conditions])
 
@@ -190,7 +192,9 @@ def _few(segments: Sequence[Segment]) -> bool:
     return sum(high - low + 1 for low, high in segments) <= _FEW
 
 
-def _where(condition: Condition, var: NumVar, values: Mapping[Var, Value], segments: Sequence[Segment]) -> list[Segment]:
+def _where(
+    condition: Condition, var: NumVar, values: Mapping[Var, Value], segments: Sequence[Segment]
+) -> list[Segment]:
     """Return those of few values for which the condition holds, each as a segment."""
     tried = [value for low, high in segments for value in range(low, high + 1)]
     return [(value, value) for value in tried if condition.holds({**values, var: value})]
@@ -332,7 +336,9 @@ def _slope(term: Num, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> Num 
             return Lit(1, ONE)
         case Add(left, right) | Sub(left, right):
             first, second = _slope(left, var, below), _slope(right, var, below)
-            return None if first is None or second is None else _added(first, second, 1 if isinstance(term, Add) else -1)
+            return (
+                None if first is None or second is None else _added(first, second, 1 if isinstance(term, Add) else -1)
+            )
         case Mul(left, right):
             factor, inner = (right, left) if var in below[left] else (left, right)
             grows = None if var in below[factor] else _slope(inner, var, below)

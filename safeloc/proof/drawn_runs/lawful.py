@@ -58,15 +58,20 @@ class Repair:
         """Find inputs that satisfy the assumption, or None. `pick` chooses within the allowed values."""
         pick = pick or any_end(draw)
         values = {**state, **inputs}
-        holds = dict(zip(self._conditions, self._all.holds(values), strict=True))
-        most = _REPAIRS + _REPAIRS_A_PART * list(holds.values()).count(False)
+        broken = dict.fromkeys(
+            one for one, kept in zip(self._conditions, self._all.holds(values), strict=True) if not kept
+        )
+        most = _REPAIRS + _REPAIRS_A_PART * len(broken)
         for attempt in range(most):
-            broken = [one for one, kept in holds.items() if not kept]
             if not broken:
                 return {var: values[var] for var in self._system.inputs}
-            for var in self._mend_one(draw.choice(broken), values, draw, pick, patience=1 - attempt / most):
+            for var in self._mend_one(draw.choice(list(broken)), values, draw, pick, patience=1 - attempt / most):
                 readers = self._readers[var]
-                holds.update(zip(readers.conditions, readers.holds(values), strict=True))
+                for one, kept in zip(readers.conditions, readers.holds(values), strict=True):
+                    if kept:
+                        broken.pop(one, None)
+                    else:
+                        broken[one] = None
         return None
 
     def _mend_one(
