@@ -24,6 +24,8 @@ Segment = tuple[int, int]
 _FEW = 3
 _TRIED = 0.8
 """Share of the searches that first try a few values."""
+_GIVEN_UP = 0.75
+"""Share of those without success that end there: another variable may do, or the next attempt."""
 
 
 class Condition:
@@ -37,6 +39,7 @@ class Condition:
         self._compares = [node for node in self._below if isinstance(node, Compare)]
         self._along: dict[Var, _Along] = {}
         self._straight: dict[Var, Allowed] = {}
+        self._kinds: dict[Var, _Straight | None] = {}
 
     @cached_property
     def _truth(self) -> Callable[[Sequence[Value]], Sequence[Value]]:
@@ -71,7 +74,9 @@ class Condition:
 
     def straight(self, var: NumVar) -> _Straight | None:
         """Return the condition as a disjunction of comparisons linear in the variable; None if it is none."""
-        return _straight(var, self.term, self._below)
+        if var not in self._kinds:
+            self._kinds[var] = _straight(var, self.term, self._below)
+        return self._kinds[var]
 
     def _is_true(self, row: list[Value], at: int, value: int) -> bool:
         row[at] = value
@@ -136,9 +141,9 @@ class Allowed:
         self._together = Together(self._bent)
 
     def some(self, values: Mapping[Var, Value], draw: random.Random) -> Sequence[Segment]:
-        """Return some values for which all conditions hold, each as a segment, or all intervals of them; empty if there are none.
+        """Return some values for which all conditions hold, each as a segment, or all intervals of them; empty if none were found.
 
-        Mostly a few values are tried, at the ends of what the linear conditions allow and within: to find where the others hold
+        Mostly only a few values are tried, at the ends of what the linear conditions allow and within: to find where the others hold
         takes much longer.
         """
         found = self._straight_segments(values, (self._var.low, self._var.high))
@@ -152,7 +157,7 @@ class Allowed:
                 trial[self._var] = value
                 if all(self._together.holds(trial)):
                     kept.append((value, value))
-            if kept:
+            if kept or draw.random() < _GIVEN_UP:
                 return kept
         return self._narrowed(values, found)
 

@@ -26,6 +26,7 @@ _REPAIRS, _REPAIRS_A_PART = 40, 3
 """Attempts to repair a step: so many, and so many for each part that is broken at first."""
 ATTEMPTS = 5
 _GHOSTS_FIRST = 0.8
+_LINEAR_FIRST = 0.9
 Pick = Callable[[NumVar, int, int], int]
 
 
@@ -95,12 +96,22 @@ class Repair:
         return []
 
     def _ordered(self, broken: Condition, values: Mapping[Var, Value], draw: random.Random) -> list[NumVar]:
-        """Return the numeric inputs that the part reads, in the order to try, without those that are absent."""
+        """Return the numeric inputs that the part reads, in the order to try, without those that are absent.
+
+        Mostly those come first in which the part is linear: what lies further behind a long term seldom mends it.
+        """
         numbers = [var for var in self._free[broken] if isinstance(var, NumVar)]
         usable = [var for var in numbers if var not in self._present or values[self._present[var]]]
         mixed = draw.sample(usable, len(usable))
         ghosts_first = draw.random() < _GHOSTS_FIRST
-        return sorted(mixed, key=lambda var: (var not in self._system.ghosts) == ghosts_first)
+        linear_first = draw.random() < _LINEAR_FIRST
+        return sorted(
+            mixed,
+            key=lambda var: (
+                linear_first and broken.straight(var) is None,
+                (var not in self._system.ghosts) == ghosts_first,
+            ),
+        )
 
     def _allowed(self, var: NumVar, values: Mapping[Var, Value], draw: random.Random) -> Sequence[Segment]:
         """Return segments of `var`, or some of them, in which every part that reads it holds."""
