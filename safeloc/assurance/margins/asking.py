@@ -30,14 +30,14 @@ Where = Literal["world", "design"]
 """Where a figure moves: in the world alone, while the machine keeps its configuration; or in machine, world and claims alike."""
 
 UNMOVED = "nothing in the world depends on it"
-_ALONG_SHARE, _QUICK_SHARE = 0.3, 0.3
-"""Shares of a claim's limit for a run along the way of another one, and for a first short search."""
+_ALONG_SHARE, _QUICK_SHARE, _MORE_SHARE = 0.3, 0.3, 0.3
+"""Shares of a claim's limit for a run along the way of another one, for a first short search, and for one after all engines."""
 _KNOWN_SHARE = 0.1
 """Share of a claim's limit for a run along the way of one that is known."""
 _QUICK_STEPS = 5
 """Steps of the runs of the short search."""
-_AGAIN = 3
-"""Multiple of a claim's limit where a value that was not decided is asked again: as much as for the figures as they are."""
+_AGAIN = 2
+"""Multiple of a claim's limit where a value that was not decided is asked again."""
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,8 @@ class Asking:
             if isinstance(verdict, Vacuous):
                 return Answer("vacuous", prop.name, verdict.reason)
             run = verdict.trace if isinstance(verdict, Violated) else None
-            found = search(goal, limits) if run is None else run
+            more = replace(limits, seconds=limits.seconds * _MORE_SHARE)
+            found = search(goal, more) if run is None else run
             if isinstance(found, Trace):
                 return self._broken(prop, found, key)
             self._broke_last = prop.name

@@ -12,7 +12,7 @@ from safeloc.assurance.margins.figures import Figure
 Direction = Literal["up", "down"]
 _PATIENCE = 3
 """Values at most that are not decided in a search that goes on: each of them takes the whole limit."""
-_PATIENCE_AGAIN = 1
+_PATIENCE_AGAIN = 0
 """The same where they are asked again, with a longer limit."""
 _GROWTH = 4
 """Factor of the steps away from a figure's own value."""

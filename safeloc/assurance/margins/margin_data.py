@@ -53,6 +53,8 @@ def row(one: Limit) -> dict[str, Any]:
         "unmoved": _is_unmoved(one),
         "end": one.end.end,
         "claim": one.end.claim,
+        "cycles": len(one.end.inputs),
+        "why": one.end.why,
         "in_words": in_words(one),
     }
 
