@@ -30,7 +30,7 @@ Where = Literal["world", "design"]
 """Where a figure moves: in the world alone, while the machine keeps its configuration; or in machine, world and claims alike."""
 
 UNMOVED = "nothing in the world depends on it"
-_ALONG_SHARE, _QUICK_SHARE, _MORE_SHARE = 0.3, 0.3, 0.3
+_ALONG_SHARE, _QUICK_SHARE, _MORE_SHARE = 0.3, 0.5, 0.3
 """Shares of a claim's limit for a run along the way of another one, for a first short search, and for one after all engines."""
 _KNOWN_SHARE = 0.1
 """Share of a claim's limit for a run along the way of one that is known."""
