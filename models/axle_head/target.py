@@ -27,9 +27,9 @@ ENTRIES = (
         pairs=(
             Pair("line speed beside sampling", "sample_us:down", "max_speed_mm_s:up"),
             Pair("sampling beside line speed", "max_speed_mm_s:down", "sample_us:up"),
-            Pair("line speed beside overlap", "overlap_mm:up", "max_speed_mm_s:up"),
-            Pair("sampling beside overlap", "overlap_mm:up", "sample_us:up"),
-            Pair("overlap beside line speed", "max_speed_mm_s:down", "overlap_mm:down"),
+            Pair("line speed beside overlap", "overlap_mm:up", "max_speed_mm_s:up", "design"),
+            Pair("sampling beside overlap", "overlap_mm:up", "sample_us:up", "design"),
+            Pair("overlap beside line speed", "max_speed_mm_s:down", "overlap_mm:down", "design"),
         ),
         no_interval="It reports axles and directions.",
         hazard=Hazard(
