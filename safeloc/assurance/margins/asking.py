@@ -36,6 +36,8 @@ _KNOWN_SHARE = 0.1
 """Share of a claim's limit for a run along the way of one that is known."""
 _QUICK_STEPS = 5
 """Steps of the runs of the short search."""
+_MORE_STEPS = 100
+"""Steps of the runs of the search after all engines: where figures count cycles, a run that breaks a claim is longer than they are."""
 _AGAIN = 2
 """Multiple of a claim's limit where a value that was not decided is asked again."""
 
@@ -260,7 +262,7 @@ class Asking:
             if isinstance(verdict, Vacuous):
                 return Answer("vacuous", prop.name, verdict.reason)
             run = verdict.trace if isinstance(verdict, Violated) else None
-            more = replace(limits, seconds=limits.seconds * _MORE_SHARE)
+            more = replace(limits, seconds=limits.seconds * _MORE_SHARE, depth=_MORE_STEPS)
             found = search(goal, more) if run is None else run
             if isinstance(found, Trace):
                 return self._broken(prop, found, key)
