@@ -152,6 +152,7 @@ class Entry(Generic[AnyConfig]):
     hazard          the hazard, for a machine that does not report an interval, or not only that; where it depends on the
                     configuration, the target states it
     pairs           pairs of figures whose front `safeloc margins --pairs` finds
+    pairs_of        of a composition that declares none: the machines whose pairs are its own, since their figures are among its
     folder          its folder of `models/`; `safeloc.shipped_machines` sets it when it finds the entry
     """
 
@@ -168,6 +169,7 @@ class Entry(Generic[AnyConfig]):
     members: tuple[str, ...] = ()
     records_of: Mapping[str, str] = field(default_factory=dict)
     pairs: tuple[Pair, ...] = ()
+    pairs_of: tuple[str, ...] = ()
     folder: str = ""
 
     def make(self, config: AnyConfig) -> Target:

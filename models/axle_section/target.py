@@ -6,7 +6,7 @@ from safeloc.models import axle_section
 from safeloc.models.axle_section import AxleSectionConfig
 from safeloc.models.axle_section.simulate import simulate
 from safeloc.properties import axle_section as claims
-from safeloc.target import Entry, Family, Hazard, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: AxleSectionConfig) -> Target:
@@ -24,6 +24,10 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=60,
+        pairs=(
+            Pair("axles in a cycle beside longest train", "axle_limit:down", "axles_a_cycle:up"),
+            Pair("longest train beside axles in a cycle", "axles_a_cycle:down", "axle_limit:up"),
+        ),
         no_interval="It reports whether a section is clear.",
         hazard=Hazard("a section is reported clear with an axle in it", ("clear is clear",)),
     ),

@@ -10,7 +10,7 @@ from safeloc.models.balise.variables import BaliseConfig, parts
 from safeloc.properties import balise as claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: BaliseConfig) -> Target:
@@ -37,6 +37,13 @@ ENTRIES = (
         Family.MARKERS,
         place=10,
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("rate beside constant", "odometer.constant_mm:down", "odometer.rate_ppm:up"),
+            Pair("constant beside rate", "odometer.rate_ppm:down", "odometer.constant_mm:up"),
+            Pair("line speed beside cycle time", "period_ms:down", "max_speed_mm_s:up"),
+            Pair("constant beside detection accuracy", "detection_mm:down", "odometer.constant_mm:up"),
+            Pair("age of telegrams beside line speed", "max_speed_mm_s:down", "telegram_age_limit_ms:up"),
+        ),
         records_of={"front_wheel_mm": "odometer_mm"},
     ),
 )

@@ -46,6 +46,7 @@ ENTRIES = (
         Family.FIBRE,
         place=55,
         members=("axle_counter", "train", "verification_doubted"),
+        pairs_of=("axle_counter", "verification_doubted"),
         no_interval="Its position may miss the true one as far as `place_doubt_mm`, since nothing is assumed of the fibre.",
         hazard=Hazard(
             "a position is farther from the true one than the reported doubt, or is given for a train that was counted otherwise",

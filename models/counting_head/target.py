@@ -42,6 +42,7 @@ ENTRIES = (
         Family.FIBRE,
         place=45,
         members=("axle_head", "head_cycle"),
+        pairs_of=("axle_head", "axle_counter"),
         no_interval="It reports axles and directions.",
         hazard=Hazard(
             "a cycle is reported to the axle counter with other axles than passed, and without a fault",

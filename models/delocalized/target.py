@@ -7,7 +7,7 @@ from safeloc.models import delocalized
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.properties import delocalized as claims
 from safeloc.reported import Reported
-from safeloc.target import Entry, Family, Target
+from safeloc.target import Entry, Family, Pair, Target
 
 
 def target(config: DelocalizedConfig) -> Target:
@@ -26,6 +26,7 @@ ENTRIES = (
         target,
         Family.ODOMETRY,
         place=20,
+        pairs=(Pair("length of the line beside tolerance", "tolerance_mm:down", "position_limit_mm:up", "design"),),
         silent=("delocalized",),
     ),
 )

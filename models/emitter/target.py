@@ -7,7 +7,7 @@ from safeloc.models.emitter import EmitterConfig
 from safeloc.models.emitter.configurations import CONFIGURATIONS
 from safeloc.models.emitter.simulate import simulate
 from safeloc.properties import emitter as claims
-from safeloc.target import Entry, Family, Hazard, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: EmitterConfig) -> Target:
@@ -26,6 +26,12 @@ ENTRIES = (
         Family.FIBRE,
         place=80,
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("jitter beside time between patterns", "due_cycles:down", "window_cycles:up"),
+            Pair("time between patterns beside jitter", "window_cycles:down", "due_cycles:up"),
+            Pair("answer beside time between patterns", "due_cycles:up", "answer_cycles:up", "design"),
+            Pair("patterns to recover beside jitter", "window_cycles:down", "passes_to_recover:up", "design"),
+        ),
         no_interval="It tells whether the fibre passed its function check.",
         hazard=Hazard(
             "a chain that does not work passes its function check",

@@ -12,7 +12,7 @@ from safeloc.models.fibre.picture import picture
 from safeloc.properties import fibre as claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: FibreConfig) -> Target:
@@ -36,6 +36,13 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=10,
+        pairs=(
+            Pair("rate beside floor", "floor_mm:down", "rate_ppm:up"),
+            Pair("floor beside rate", "rate_ppm:down", "floor_mm:up"),
+            Pair("line speed beside cycle time", "period_ms:down", "max_speed_mm_s:up"),
+            Pair("rate beside places of edges", "edge_tolerance_mm:down", "rate_ppm:up"),
+            Pair("change of a section beside normal scatter", "return_cdb:down", "change_cdb:up"),
+        ),
         configurations=CONFIGURATIONS,
     ),
 )

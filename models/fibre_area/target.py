@@ -43,6 +43,7 @@ ENTRIES = (
         Family.FIBRE,
         place=90,
         members=("front", "rear", "emitter", "entry", "verification", "report", "area", "section_1"),
+        pairs_of=("fibre", "verification", "emitter", "sections"),
         configurations=CONFIGURATIONS,
         hazard=Hazard(
             "a section is reported clear with a vehicle in it",

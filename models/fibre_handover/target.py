@@ -35,6 +35,7 @@ ENTRIES = (
         Family.FIBRE,
         place=100,
         members=("giving", "border", "taking", "speaker"),
+        pairs_of=("verification",),
         silent=("giving", "border", "taking"),
     ),
 )

@@ -10,7 +10,7 @@ from safeloc.models.guard.configurations import CONFIGURATIONS
 from safeloc.models.guard.variables import GuardConfig, parts
 from safeloc.properties import guard as claims
 from safeloc.reported import Reported
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: GuardConfig) -> Target:
@@ -36,6 +36,13 @@ ENTRIES = (
         target,
         Family.RECEIVER,
         place=10,
+        pairs=(
+            Pair("error of fixes beside charge off the track", "offset_charge_permille:down", "fix_error_mm:up"),
+            Pair("charge off the track beside error of fixes", "fix_error_mm:down", "offset_charge_permille:up"),
+            Pair("error of speed beside error of fixes", "fix_error_mm:down", "speed_error_mm_s:up"),
+            Pair("line speed beside cycle time", "period_ms:down", "max_speed_mm_s:up"),
+            Pair("brakes beside cycle time", "period_ms:down", "brake_mm_s2:up"),
+        ),
         configurations=CONFIGURATIONS,
     ),
 )

@@ -127,6 +127,7 @@ LOCALIZER = Entry(
         "delocalized",
         "uplink",
     ),
+    pairs_of=("odometry", "balise", "reflector", "selection", "verification"),
     configurations=CONFIGURATIONS,
     silent=("reflector", "selection", "position", "verification", "downlink", "uplink"),
     records_of={"front_wheel_mm": "motion.odometer_mm", "front_radar_mm": "motion.check_mm"},

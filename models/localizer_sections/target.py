@@ -57,6 +57,7 @@ ENTRIES = (
             "area",
             "section_1",
         ),
+        pairs_of=("balise", "verification", "sections"),
         configurations=CONFIGURATIONS,
         hazard=Hazard(
             "a section is reported clear with a vehicle in it",

@@ -62,6 +62,7 @@ ENTRIES = (
         Family.LOCALIZER,
         place=35,
         members=("motion", "balise", "arbitration", "delocalized", "uplink", "turn_off", "occupied_track"),
+        pairs_of=("balise", "turn_off", "occupied_track"),
         hazard=Hazard(
             "a track is told on which the vehicle is not",
             ("occupied_track: the true track is carried", "occupied_track: a track that is told is the true one"),

@@ -62,6 +62,7 @@ ENTRIES = (
         Family.ODOMETRY,
         place=40,
         members=("vehicle", "guard", "odometry", "delocalized"),
+        pairs_of=("odometry", "guard"),
         configurations=CONFIGURATIONS,
     ),
 )

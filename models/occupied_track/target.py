@@ -10,7 +10,7 @@ from safeloc.models.occupied_track.reported import interval_on_the_edge
 from safeloc.models.occupied_track.variables import OccupiedTrackConfig, parts
 from safeloc.properties import occupied_track as claims
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Hazard, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: OccupiedTrackConfig) -> Target:
@@ -48,6 +48,13 @@ ENTRIES = (
         target,
         Family.LOCALIZER,
         place=15,
+        pairs=(
+            Pair("line speed beside cycle time", "period_ms:down", "max_speed_mm_s:up", "design"),
+            Pair("cycle time beside line speed", "max_speed_mm_s:down", "period_ms:up", "design"),
+            Pair("line speed beside shortest edge", "shortest_edge_mm:up", "max_speed_mm_s:up", "design"),
+            Pair("cycle time beside shortest edge", "shortest_edge_mm:up", "period_ms:up", "design"),
+            Pair("longest edge beside length of the line", "position_limit_mm:up", "longest_edge_mm:up", "design"),
+        ),
         silent=("occupied_track",),
         hazard=Hazard(
             "a track is told on which the vehicle is not",

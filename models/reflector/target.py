@@ -12,7 +12,7 @@ from safeloc.models.reflector.variables import ReflectorConfig, parts
 from safeloc.properties import reflector as claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, single
+from safeloc.target import Entry, Family, Pair, Target, single
 
 
 def target(config: ReflectorConfig) -> Target:
@@ -39,6 +39,13 @@ ENTRIES = (
         Family.MARKERS,
         place=20,
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("rate beside constant", "odometer.constant_mm:down", "odometer.rate_ppm:up"),
+            Pair("constant beside rate", "odometer.rate_ppm:down", "odometer.constant_mm:up"),
+            Pair("constant beside accuracy of balises", "balise_accuracy_mm:down", "odometer.constant_mm:up"),
+            Pair("accuracy of the map beside latency of frames", "frame_latency_ms:down", "map_accuracy_mm:up"),
+            Pair("scale of the radar beside its drift", "radar_drift_mm_s:down", "radar_scale_ppm:up"),
+        ),
         silent=("reflector",),
     ),
 )

@@ -63,6 +63,7 @@ ENTRIES = (
         Family.MARKERS,
         place=70,
         members=("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point"),
+        pairs_of=("balise", "reflector", "turn_off", "stop_point"),
         configurations=CONFIGURATIONS,
         records_of={"front_wheel_mm": "motion.odometer_mm"},
         hazard=Hazard(

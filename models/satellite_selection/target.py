@@ -10,7 +10,7 @@ from safeloc.models.satellite_selection import SelectionConfig
 from safeloc.models.satellite_selection.configurations import CONFIGURATIONS
 from safeloc.properties import satellite_selection as claims
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Hazard, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: SelectionConfig) -> Target:
@@ -46,6 +46,13 @@ ENTRIES = (
         Family.SATELLITES,
         place=10,
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("noise beside threshold of ranges", "range_threshold_mm:up", "range_noise_mm:up", "design"),
+            Pair("prediction beside noise of ranges", "range_noise_mm:down", "range_prediction_mm:up", "design"),
+            Pair("clock beside noise of ranges", "range_noise_mm:down", "range_clock_mm:up", "design"),
+            Pair("noise beside threshold of speeds", "speed_threshold_mm_s:up", "speed_noise_mm_s:up", "design"),
+            Pair("accuracy of the almanac beside its age", "almanac_limit_s:down", "almanac_accuracy_mrad:up"),
+        ),
         no_interval="It reports a list of usable satellites.",
         silent=("selection",),
     ),

@@ -8,7 +8,7 @@ from safeloc.models import sections
 from safeloc.models.sections import SectionsConfig
 from safeloc.models.sections.configurations import CONFIGURATIONS
 from safeloc.properties import sections as claims
-from safeloc.target import Entry, Family, Hazard, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Pair, Target, recorded
 
 DOC = "Trains of a line area between axle counters, and the virtual sections that it is cut into, in one step."
 
@@ -43,6 +43,23 @@ ENTRIES = (
         place=110,
         members=("area", "section_1"),
         configurations=CONFIGURATIONS,
+        pairs=(
+            Pair("age of reports beside cycle time", "area.period_ms:down", "area.report_age_limit_ms:up", "design"),
+            Pair("line speed beside cycle time", "area.period_ms:down", "area.max_speed_mm_s:up", "design"),
+            Pair(
+                "reports at the entry beside cycle time",
+                "area.period_ms:down",
+                "area.entry_report_delay_ms:up",
+                "design",
+            ),
+            Pair("waiting for a report beside waiting for integrity", "integrity_wait_ms:down", "mute_ms:up", "design"),
+            Pair(
+                "reaction beside delivery of an authority",
+                "following.delivery_ms:down",
+                "following.reaction_ms:up",
+                "design",
+            ),
+        ),
         no_interval="It reports which sections are clear.",
         hazard=Hazard(
             "a section is reported clear with a vehicle in it",

@@ -38,5 +38,6 @@ ENTRIES = (
         Family.ODOMETRY,
         place=30,
         members=("odometry", "delocalized"),
+        pairs_of=("odometry",),
     ),
 )

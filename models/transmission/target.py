@@ -29,6 +29,9 @@ ENTRIES = (
         pairs=(
             Pair("period beside line speed", "max_speed_mm_s:down", "period_ms:up"),
             Pair("line speed beside period", "period_ms:down", "max_speed_mm_s:up"),
+            Pair("age beside line speed", "max_speed_mm_s:down", "age_limit_ms:up", "design"),
+            Pair("width beside age", "age_limit_ms:down", "margin_limit_mm:up", "design"),
+            Pair("length of the line beside width", "margin_limit_mm:down", "position_limit_mm:up", "design"),
         ),
     ),
 )

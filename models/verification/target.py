@@ -10,7 +10,7 @@ from safeloc.models.verification.configurations import CONFIGURATIONS
 from safeloc.properties import verification as claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Hazard, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: VerificationConfig) -> Target:
@@ -37,6 +37,14 @@ def _simulated(config: VerificationConfig, seed: int) -> Sequence[Mapping[str, C
     return simulate_stay(config, seed=seed)
 
 
+_PAIRS = (
+    Pair("length of the train beside its change", "length_change_mm:up", "length_tolerance_mm:up", "design"),
+    Pair("jump beside age of the record", "reference_age_limit_cycles:down", "jump_mm:up", "design"),
+    Pair("accuracy of speed beside brakes", "brake_mm_s2:down", "speed_tolerance_mm_s:up", "design"),
+    Pair("doubt beside accuracy of places", "place_tolerance_mm:down", "place_doubt_limit_mm:up", "design"),
+    Pair("currency beside age of the record", "reference_age_limit_cycles:down", "currency_cycles:up", "design"),
+)
+
 ENTRIES = (
     Entry(
         "verification",
@@ -46,6 +54,7 @@ ENTRIES = (
         Family.FIBRE,
         place=20,
         configurations=CONFIGURATIONS,
+        pairs=_PAIRS,
         silent=("verification",),
     ),
     Entry(
@@ -55,6 +64,7 @@ ENTRIES = (
         doubted,
         Family.FIBRE,
         place=30,
+        pairs=_PAIRS,
         no_interval="Its recordings show intervals that miss the true position unnoticed; claimed is only how far (`place_doubt_mm`).",
         hazard=Hazard(
             "a position is farther from the true one than the reported doubt",

@@ -19,16 +19,20 @@ from safeloc.target import Target
 _ALL, _LATEST = "all", "latest"
 
 
+def _of_the_target(target: Target, kind: str) -> str:
+    return asked(target, kind).key
+
+
 @dataclass(frozen=True)
 class KeptResults:
     """The results of one kind.
 
     kind     the kind, which names it in the store
-    further  what a result depends on besides the content of its target
+    key      (target, kind) -> the digest of all that a result depends on; by default of engine and target
     """
 
     kind: str
-    further: Callable[[Target], tuple[object, ...]] = lambda _: ()
+    key: Callable[[Target, str], str] = _of_the_target
 
     def keep(self, store: Store, target: Target, data: Any) -> None:
         """Keep the result of a target, in place of an earlier one."""
@@ -51,4 +55,4 @@ class KeptResults:
         return "" if entry is None else entry.data.decode()
 
     def _keeping(self, store: Store, target: Target) -> Keeping:
-        return Keeping(self.kind, asked(target, self.kind, *self.further(target)).key, store, store)
+        return Keeping(self.kind, self.key(target, self.kind), store, store)

@@ -22,6 +22,9 @@ from safeloc.target import Pair, Target
 def declared_pairs(target: Target) -> list[Pair]:
     """Return the pairs that are declared with a machine; InputError if there are none."""
     entry = ENTRIES.get(target.spec)
+    if entry is not None and entry.pairs_of:
+        commands = " or ".join(f"`safeloc margins {name} --pairs`" for name in entry.pairs_of)
+        raise InputError(f"{target.name} has the pairs of its machines: {commands}.")
     if entry is None or not entry.pairs:
         raise InputError(f"{target.name} declares no pairs of figures; give two with --pair FIGURE:up,FIGURE:down.")
     return list(entry.pairs)

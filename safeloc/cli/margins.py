@@ -22,6 +22,7 @@ from safeloc.cli.line_design import DesignOptions, design_line
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, Progressing
 from safeloc.errors import InputError
+from safeloc.proof.cache.answers import kept_in
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.file_names import file_names
 from safeloc.report.margins import alone, front_picture, margins_picture
@@ -105,11 +106,12 @@ def margins(
             "--figure asks for the limits of single figures; leave it out beside --pair and --pairs."
         )
     work = Margins(loaded, cast(Where, where), asked, Limits(seconds=seconds), jobs, look_in, store)
-    _refuse_if_one_fails(work, quiet=as_json)
-    if wanted:
-        _fronts(work, wanted, folder, keep=pairs and only is None, as_json=as_json)
-        return
-    limits = _found(work, figures, quiet=as_json)
+    with kept_in(store, fresh=fresh):
+        _refuse_if_one_fails(work, quiet=as_json)
+        if wanted:
+            _fronts(work, wanted, folder, keep=pairs and only is None, as_json=as_json)
+            return
+        limits = _found(work, figures, quiet=as_json)
     if figure is None and only is None:
         keep_margins(store, loaded, work.where, [row(one) for one in limits])
     if folder is not None:

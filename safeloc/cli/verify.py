@@ -11,6 +11,7 @@ import typer
 
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.margins.kept_margins import MARGINS
+from safeloc.assurance.margins.shipped_margins import margins_of
 from safeloc.assurance.mutation.kept_score import SCORES
 from safeloc.assurance.mutation.strength import STRENGTHS, strengths_of
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
@@ -119,7 +120,7 @@ def verify(
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
     strengths, made = strengths_of(store, loaded), _made(plan)
-    margins, scores = MARGINS.of_targets(store, loaded), SCORES.of_targets(store, loaded)
+    margins, scores = margins_of(store, loaded), SCORES.of_targets(store, loaded)
     page = write_folder(
         folder,
         findings,

@@ -49,7 +49,14 @@ def margins_shown(margins: _Data | None) -> dict[str, Any] | None:
         if where in margins
     ]
     fronts = [{**one, "picture": front_picture(one)} for one in margins.get("pairs", ())]
-    return {"moved": moved, "fronts": fronts}
+    if not moved and not fronts:
+        return None
+    return {"moved": moved, "fronts": fronts, "shipped": margins.get("shipped", "")}
+
+
+def of_another_version(margins: _Data | None) -> str:
+    """Return the day on which the margins that ship were found, if they are of another version of the machine; else nothing."""
+    return str((margins or {}).get("other_version", ""))
 
 
 def first_page_row(name: str, margins: _Data | None) -> dict[str, Any]:
@@ -61,6 +68,8 @@ def first_page_row(name: str, margins: _Data | None) -> dict[str, Any]:
     return {
         "machine": name,
         "known": margins is not None and "world" in margins,
+        "shipped": (margins or {}).get("shipped", ""),
+        "other_version": of_another_version(margins),
         "figures": len({one["figure"] for one in rows}),
         "none": _by_figure(none),
         "least": [f"{one['figure']} {_percent(one)}" for one in some[:3]],
@@ -126,7 +135,7 @@ def margins_picture(limits: Sequence[_Data], where: str) -> str:
             box_swatch(BLUE, "every claim is proved as far as here"),
             stroke_swatch(RED, "\N{MULTIPLICATION SIGN} one unit farther a run breaks a claim"),
             stroke_swatch(ORANGE, "? undecided beyond"),
-            stroke_swatch(GREY, "| the configuration or its range ends"),
+            stroke_swatch(GREY, "| its range ends, or a claim says nothing beyond"),
         ],
         bottom + 44,
     )

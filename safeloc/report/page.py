@@ -27,7 +27,7 @@ from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.held_in import recordings, statements
 from safeloc.report.links import Links, anchor, linked
-from safeloc.report.margins import first_page_row, margins_shown
+from safeloc.report.margins import first_page_row, margins_shown, of_another_version
 from safeloc.report.mutation_words import score_words
 from safeloc.report.overview import RESULTS, results_script
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
@@ -242,6 +242,7 @@ def _machine(
         "rests": _rests(machine["evidence"]),
         "score": score_words(machine.get("mutation")),
         "margins": _drawn(margins_shown(machine.get("margins"))),
+        "margins_of_another_version": of_another_version(machine.get("margins")),
         "tests": [row for row in evidence if row["kind"] == "test"],
         "obligations": [row for row in of_machine if row["kind"] in ("obligation", "lemma")],
         "counts": [(name, _counted(of_machine, kinds)) for name, kinds in _SUMMARY.items()],
@@ -282,7 +283,10 @@ def _drawn(margins: dict[str, Any] | None) -> dict[str, Any] | None:
     """Return margins with their pictures as markup, in which labels are escaped."""
     if margins is None:
         return None
-    return {part: [{**one, "picture": Markup(one["picture"])} for one in margins[part]] for part in ("moved", "fronts")}
+    drawn = {
+        part: [{**one, "picture": Markup(one["picture"])} for one in margins[part]] for part in ("moved", "fronts")
+    }
+    return {**margins, **drawn}
 
 
 def _core(one: _Data) -> dict[str, Any]:

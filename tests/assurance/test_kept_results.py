@@ -13,7 +13,11 @@ from tests.assurance.mutation.shop import loaded
 def test_a_result_is_of_its_target_and_kind(tmp_path: Path) -> None:
     """A target with one property less, another kind and another digest of the maker have none."""
     store, (target, _, _) = Store(tmp_path), loaded()
-    kind, other, made = KeptResults("one kind"), KeptResults("another"), KeptResults("one kind", lambda _: ("maker",))
+    kind, other, made = (
+        KeptResults("one kind"),
+        KeptResults("another"),
+        KeptResults("one kind", lambda target, _: f"maker of {target.name}"),
+    )
     assert kind.kept(store, target) is None
     kind.keep(store, target, {"figure": 3})
     changed = replace(target, properties=target.properties[1:])

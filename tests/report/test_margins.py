@@ -88,6 +88,24 @@ def test_a_page_without_margins_names_the_command(transmission: Target) -> None:
     assert 'id="margins"' not in page
 
 
+def test_the_page_says_which_margins_ship_and_shows_none_of_another_version(transmission: Target) -> None:
+    page = page_of(transmission, {"world": limits(), "shipped": "2026-11-27"})
+    assert "Found on 2026-11-27 and shipped with this version of the machine" in page
+    assert "Those of transmission were found before and ship with this version" in page
+    stale = page_of(transmission, {"other_version": "2026-11-26"})
+    assert "found on 2026-11-26 for another version of this machine, and are not shown" in stale
+    assert "<code>safeloc margins transmission</code> finds it" in stale
+    assert 'id="margins"' not in stale
+    both = to_html(
+        report_data(
+            [],
+            [transmission, replace(transmission, name="other")],
+            margins={"transmission": {"world": limits()}, "other": {"other_version": "2026-11-26"}},
+        )
+    )
+    assert "Those that ship with other are of another version of the machine, and are not shown." in both
+
+
 def test_the_first_page_tells_what_has_no_margin_and_what_has_least() -> None:
     found = first_page_row("transmission", {"world": limits()})
     assert found["none"] == ["age_limit_ms down"]
@@ -107,7 +125,9 @@ def test_the_first_page_names_machines_without_margins(transmission: Target) -> 
 
 
 def test_data_fit_the_schema_and_an_older_report_is_still_read(transmission: Target, tmp_path: Path) -> None:
-    data = report_data([], [transmission], margins={"transmission": {"world": limits(), "pairs": [FRONT]}})
+    data = report_data(
+        [], [transmission], margins={"transmission": {"world": limits(), "pairs": [FRONT], "shipped": "2026-11-27"}}
+    )
     jsonschema.validate(json.loads(json.dumps(data)), schema())
     write_folder(tmp_path, [], [transmission])
     path = tmp_path / "report.json"

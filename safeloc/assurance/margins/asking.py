@@ -18,7 +18,7 @@ from safeloc.language.renamed import hint
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.trace import Trace
-from safeloc.language.verdict import Proved, Violated
+from safeloc.language.verdict import Proved, Vacuous, Violated
 from safeloc.proof.provers.along import along
 from safeloc.proof.provers.bmc import search
 from safeloc.proof.provers.implication import unproved
@@ -30,12 +30,16 @@ Where = Literal["world", "design"]
 """Where a figure moves: in the world alone, while the machine keeps its configuration; or in machine, world and claims alike."""
 
 UNMOVED = "nothing in the world depends on it"
-_ALONG_SHARE, _QUICK_SHARE = 0.3, 0.2
-"""Shares of a claim's limit for a run along the way of another one, and for a first short search."""
+_ALONG_SHARE, _QUICK_SHARE, _MORE_SHARE = 0.3, 0.5, 0.3
+"""Shares of a claim's limit for a run along the way of another one, for a first short search, and for one after all engines."""
 _KNOWN_SHARE = 0.1
 """Share of a claim's limit for a run along the way of one that is known."""
 _QUICK_STEPS = 5
 """Steps of the runs of the short search."""
+_MORE_STEPS = 100
+"""Steps of the runs of the search after all engines: where figures count cycles, a run that breaks a claim is longer than they are."""
+_AGAIN = 2
+"""Multiple of a claim's limit where a value that was not decided is asked again."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +47,12 @@ class Answer:
     """The answer for one value of a figure: whether all claims hold.
 
     end     proved: each claim was; broken: a run breaks `claim`; undecided: `claim` was not decided within the limits;
+            vacuous: nothing breaks `claim`, but it says nothing at this value, for the reason `why`;
             refused: the configuration or the machine does not take the value, for the reason `why`
     first, inputs  of a run that breaks a claim: its first state, and the inputs of every cycle
     """
 
-    end: Literal["proved", "broken", "undecided", "refused"]
+    end: Literal["proved", "broken", "undecided", "vacuous", "refused"]
     claim: str = ""
     why: str = ""
     first: Mapping[str, Value] | None = None
@@ -99,6 +104,7 @@ class Asking:
         self._made: dict[_Values, Target | str] = {}
         self._worlds: dict[_Values, MovedWorld] = {}
         self._broke_last, self._ways = HOLDS, ways
+        self._asked_again: set[_Values] = set()
 
     def refusal(self, values: Mapping[str, int]) -> str:
         """Return the reason why the machine cannot be made at these values; "" if it can."""
@@ -110,6 +116,16 @@ class Asking:
         key = _key(values)
         if key not in self._answers:
             self._answers[key] = self._asked(key)
+        return self._answers[key]
+
+    def again(self, values: Mapping[str, int]) -> Answer:
+        """Return the answer for these values; one that is undecided is asked again, once, with a longer limit."""
+        key = _key(values)
+        if self.answer(values).end == "undecided" and key not in self._asked_again:
+            self._asked_again.add(key)
+            patient = replace(self._limits, seconds=_AGAIN * self._limits.seconds)
+            asked = self._claims_at(key)
+            self._answers[key] = asked if isinstance(asked, Answer) else self._of_claims(*asked, key, patient)
         return self._answers[key]
 
     def quickly(self, values: Mapping[str, int]) -> bool:
@@ -191,7 +207,7 @@ class Asking:
 
     def _asked(self, key: _Values) -> Answer:
         asked = self._claims_at(key)
-        return asked if isinstance(asked, Answer) else self._of_claims(*asked, key)
+        return asked if isinstance(asked, Answer) else self._of_claims(*asked, key, self._limits)
 
     def _claims_at(self, key: _Values) -> tuple[TransitionSystem, list[Property]] | Answer:
         """Return the system at these values with the claims that are open there; an answer if there is nothing to ask."""
@@ -237,14 +253,21 @@ class Asking:
     def _share(self, share: float) -> Limits:
         return replace(self._limits, seconds=self._limits.seconds * share)
 
-    def _of_claims(self, system: TransitionSystem, every: Iterable[Property], key: _Values) -> Answer:
+    def _of_claims(self, system: TransitionSystem, every: Iterable[Property], key: _Values, limits: Limits) -> Answer:
         for prop in self._in_order(self._chosen(every)):
-            verdict = prove_one(observe(system, replace(prop, kept_by=None)), self._limits)
-            if isinstance(verdict, Violated) and verdict.trace is not None:
-                return self._broken(prop, verdict.trace, key)
-            if not isinstance(verdict, Proved):
-                self._broke_last = prop.name
-                return Answer("undecided", prop.name)
+            goal = observe(system, replace(prop, kept_by=None))
+            verdict = prove_one(goal, limits)
+            if isinstance(verdict, Proved):
+                continue
+            if isinstance(verdict, Vacuous):
+                return Answer("vacuous", prop.name, verdict.reason)
+            run = verdict.trace if isinstance(verdict, Violated) else None
+            more = replace(limits, seconds=limits.seconds * _MORE_SHARE, depth=_MORE_STEPS)
+            found = search(goal, more) if run is None else run
+            if isinstance(found, Trace):
+                return self._broken(prop, found, key)
+            self._broke_last = prop.name
+            return Answer("undecided", prop.name)
         return Answer("proved")
 
     def _broken(self, prop: Property, run: Trace, key: _Values) -> Answer:

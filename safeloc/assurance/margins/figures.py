@@ -40,7 +40,7 @@ def figures(target: Target) -> dict[str, Figure]:
     configuration file.
     """
     if target.spec in ENTRIES and target.config is not None:
-        found = list(_of_model(target.config))
+        found = list(configured_figures(target.config))
     else:
         found = list(_of_data(target.given or {}))
     if not found:
@@ -86,11 +86,12 @@ def moved(target: Target, values: Mapping[str, int]) -> Target:
         raise Refused(str(error).splitlines()[-1].strip(" -")) from None
 
 
-def _of_model(config: BaseModel, prefix: str = "") -> Iterator[Figure]:
+def configured_figures(config: BaseModel, prefix: str = "") -> Iterator[Figure]:
+    """Yield the whole-number fields of a configuration, also those of its parts."""
     for name, field in type(config).model_fields.items():
         value = getattr(config, name)
         if isinstance(value, BaseModel):
-            yield from _of_model(value, f"{prefix}{name}.")
+            yield from configured_figures(value, f"{prefix}{name}.")
         elif isinstance(value, int) and not isinstance(value, bool):
             extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
             limits = {kind: getattr(one, kind) for one in field.metadata for kind in ("ge", "le") if hasattr(one, kind)}

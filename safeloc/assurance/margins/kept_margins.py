@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from safeloc.assurance.kept_results import KeptResults
-from safeloc.assurance.margins.makers import maker_digest
+from safeloc.assurance.margins.makers import margins_key
 from safeloc.proof.cache.store import Store
 from safeloc.target import Target
 
-MARGINS = KeptResults("margins for reports", lambda target: (maker_digest(target),))
+MARGINS = KeptResults("margins for reports", margins_key)
 """By target: the limits of all figures in `world` or `design`, or the fronts of its `pairs`."""
 
 

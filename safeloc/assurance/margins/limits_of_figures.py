@@ -12,6 +12,8 @@ from safeloc.assurance.margins.figures import Figure
 Direction = Literal["up", "down"]
 _PATIENCE = 3
 """Values at most that are not decided in a search that goes on: each of them takes the whole limit."""
+_PATIENCE_AGAIN = 0
+"""The same where they are asked again, with a longer limit."""
 _GROWTH = 4
 """Factor of the steps away from a figure's own value."""
 
@@ -21,7 +23,7 @@ class Limit:
     """The limit of one figure in one direction, with the other figures unchanged.
 
     holds_to  the last value at which all claims are proved; the figure's own value if there is no margin
-    end       the answer at the value beyond: broken (by a run), undecided, refused; proved: the range ends at `holds_to`
+    end       the answer at the value beyond: broken (by a run), undecided, vacuous, refused; proved: the range ends at `holds_to`
     beyond    the value beyond, the next one unless it is undecided; None at the end of the range
     broken_at  if the value beyond is undecided: one farther away at which a run breaks a claim
     proved_why  the reason why no claim had to be proved at `holds_to`, if none had
@@ -103,6 +105,10 @@ class _Search:
         """Return the answer at this value."""
         return self._asking.answer(self._at(value))
 
+    def again(self, value: int) -> Answer:
+        """Return the answer at this value, asked again with a longer limit if it is undecided."""
+        return self._asking.again(self._at(value))
+
     def quickly(self, value: int) -> bool:
         """Return whether a short search finds a run at this value."""
         return self._asking.quickly(self._at(value))
@@ -134,23 +140,35 @@ class _Search:
 
         From a value at which a run breaks a claim the search goes along that run to the nearest one, and asks all claims beside it.
         """
-        good, bad, run_at, undecided = self._figure.value, end, None, 0
-        tries = _Tries(self._figure.value, self.sign)
-        while True:
-            if self.answer(bad).end == "broken":
-                bad = run_at = self._nearest_along(good, bad)
-            else:
-                undecided += 1
-            if abs(bad - good) == 1 or undecided > _PATIENCE:
-                break
-            tried = tries.between(good, bad, run=self.answer(bad).end == "broken")
-            if self.answer(tried).end == "proved":
-                good = tried
-            else:
-                bad = tried
+        good, bad, run_at = self._narrowed(self._figure.value, end, None, self.answer, _PATIENCE)
+        if self.answer(bad).end == "undecided":
+            start = bad if run_at is None else run_at
+            good, bad, run_at = self._narrowed(good, start, run_at, self.again, _PATIENCE_AGAIN)
         why = "" if good == self._figure.value else self.answer(good).why
         farther = None if run_at == bad else run_at
         return Limit(self._figure, self._direction, good, self.answer(bad), bad, farther, why)
+
+    def _narrowed(
+        self, good: int, bad: int, run_at: int | None, ask: Callable[[int], Answer], patience: int
+    ) -> tuple[int, int, int | None]:
+        """Return a proved value, one beyond that is not, and the nearest one at which a run breaks a claim, if there is one.
+
+        The first two are neighbours, unless more values than `patience` are not decided.
+        """
+        tries, undecided = _Tries(self._figure.value, self.sign), 0
+        while True:
+            match ask(bad).end:
+                case "broken":
+                    bad = run_at = self._nearest_along(good, bad)
+                case "undecided":
+                    undecided += 1
+            if abs(bad - good) == 1 or undecided > patience:
+                return good, bad, run_at
+            tried = tries.between(good, bad, decided=ask(bad).end != "undecided")
+            if ask(tried).end == "proved":
+                good = tried
+            else:
+                bad = tried
 
     def _nearest_along(self, good: int, bad: int) -> int:
         """Return the value nearest to a good one at which a run breaks the claim along the way of the run at the bad one."""
@@ -169,16 +187,16 @@ class _Search:
 class _Tries:
     """The values that are asked between a good and a bad one.
 
-    Beside a run first the next value, then the middle, in turn; before what is not decided in growing steps from the figure's own
-    value, then the middle.
+    Beside a run, or a value at which a claim says nothing, first the next value, then the middle, in turn; before what is not
+    decided in growing steps from the figure's own value, then the middle.
     """
 
     def __init__(self, value: int, sign: int) -> None:
         self._value, self._sign, self._step, self._beside = value, sign, 1, True
 
-    def between(self, good: int, bad: int, *, run: bool) -> int:
+    def between(self, good: int, bad: int, *, decided: bool) -> int:
         """Return the next value to ask."""
-        if run:
+        if decided:
             self._beside = not self._beside
             return (good + bad) // 2 if self._beside else bad - self._sign
         while self._step <= abs(good - self._value):

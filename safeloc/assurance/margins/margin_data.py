@@ -28,6 +28,8 @@ def in_words(one: Limit) -> str:
             return f"at {one.beyond} a run of {cycles} {'cycle' if cycles == 1 else 'cycles'} breaks {one.end.claim!r}"
         case "refused":
             return f"{one.beyond} is refused: {one.end.why}"
+        case "vacuous":
+            return f"at {one.beyond} {one.end.claim!r} says nothing: {one.end.why}"
         case "undecided":
             further = "" if one.broken_at is None else f"; a run breaks a claim at {one.broken_at}"
             what = one.end.why or f"at {one.beyond} {one.end.claim!r} is not decided within the limits"
@@ -51,6 +53,8 @@ def row(one: Limit) -> dict[str, Any]:
         "unmoved": _is_unmoved(one),
         "end": one.end.end,
         "claim": one.end.claim,
+        "cycles": len(one.end.inputs),
+        "why": one.end.why,
         "in_words": in_words(one),
     }
 

@@ -12,12 +12,11 @@ from safeloc.assurance.margins import rests_on
 from safeloc.assurance.margins.asking import Answer, Asking, Way, Where
 from safeloc.assurance.margins.figures import Figure
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit
-from safeloc.assurance.margins.makers import maker_digest
+from safeloc.assurance.margins.makers import as_it_is_key, margins_key
 from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.language.spec import Property, observe
 from safeloc.language.verdict import Proved, word
 from safeloc.proof.cache.store import Store
-from safeloc.proof.cache.targets import asked
 from safeloc.proof.provers.limits import CLOCK, Limits
 from safeloc.proof.provers.portfolio import prove_one, proved_base
 from safeloc.proof.provers.workers import Lost, Task
@@ -78,7 +77,7 @@ class Margins:
             proved_base(self.target.system, self._patient)
             return [Batch((name,), self._task_as_it_is(claims[name])) for name in left]
 
-        key = asked(self.target, _AS_IT_IS, self.limits).key
+        key = as_it_is_key(self.target, _AS_IT_IS, self.limits)
         keeping = Keeping(_AS_IT_IS, key, self.look_in, self.keep_in, lambda found: found["verdict"] != "unknown")
         for name, found in kept_or_done([*claims], batches, keeping, self.jobs):
             if not isinstance(found, Lost):
@@ -112,7 +111,7 @@ class Margins:
         def batches(left: Sequence[str]) -> list[Batch]:
             return [Batch((name,), self._task(name, *pieces[name])) for name in left]
 
-        key = asked(self.target, _KIND, self.limits, self.where, list(self.claims), maker_digest(self.target)).key
+        key = margins_key(self.target, _KIND, self.limits, self.where, list(self.claims))
         keeping = Keeping(_KIND, key, self.look_in, self.keep_in, _is_decided)
         return kept_or_done([*pieces], batches, keeping, self.jobs)
 
@@ -135,8 +134,7 @@ def fronts(margins: Margins, pairs: Mapping[str, tuple[Moving, Moving]]) -> Iter
     def batches(left: Sequence[str]) -> list[Batch]:
         return [Batch((said,), _task_of_front(margins, said, *pairs[names[said]])) for said in left]
 
-    made = maker_digest(margins.target)
-    key = asked(margins.target, _FRONTS, margins.limits, margins.where, list(margins.claims), POINTS, made).key
+    key = margins_key(margins.target, _FRONTS, margins.limits, margins.where, list(margins.claims), POINTS)
     keeping = Keeping(_FRONTS, key, margins.look_in, margins.keep_in, _all_decided)
     for said, found in kept_or_done([*names], batches, keeping, margins.jobs):
         yield names[said], [] if isinstance(found, Lost) else [(value, from_data(one)) for value, one in found]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -42,6 +42,16 @@ def target_digest(target: Target) -> str:
     return digest.total.hexdigest()
 
 
+def content_digest(target: Target) -> str:
+    """Return the SHA-256, in hexadecimal, of what a target declares: no recordings, no witnesses, no places in files.
+
+    A comment that moves a transition in its file leaves it as it is. What tells a place, such as a finding, needs `target_digest`.
+    """
+    digest = _Digest(places=False)
+    digest.add(replace(target, streams=(), witnesses=None))
+    return digest.total.hexdigest()
+
+
 @dataclass(frozen=True)
 class _Stream:
     name: str
@@ -51,7 +61,8 @@ class _Stream:
 class _Digest:
     """A digest of objects; an object that occurs again enters by the number of its first occurrence."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, places: bool = True) -> None:
+        self._places = places
         self.total = hashlib.sha256()
         self._met: dict[int, int] = {}
         self._alive: list[object] = []  # so that no other object gets the identity of one that was met
@@ -95,7 +106,7 @@ class _Digest:
         for name in _names(cast(Hashable, type(thing))):
             yield name
             yield from self._lines(getattr(thing, name))
-        if isinstance(thing, Transition):
+        if isinstance(thing, Transition) and self._places:
             yield thing.src.replace("\\", "/").rpartition("/")[2]
         if isinstance(thing, Property) and thing.helper is not None:
             yield from self._lines(thing.helper(_waiting(thing)))

@@ -16,7 +16,7 @@ from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit,
 from safeloc.assurance.margins.makers import maker_digest
 from safeloc.assurance.margins.margin_data import in_words
 from safeloc.assurance.margins.margin_work import Margins, from_data, front
-from safeloc.catalogue import ENTRIES, load_target
+from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.proof.cache.contents import target_digest
@@ -297,20 +297,6 @@ def test_what_pairs_refuse(call: Call) -> None:
     both = call("margins", "stop_point", "--pairs", "--figure", "brake_mm_s2")
     assert both.code == 2
     assert "asks for the limits of single figures" in both.err
-
-
-def test_declared_pairs_name_figures_of_their_machine() -> None:
-    """Each once, and the two figures of a pair are not one."""
-    paired = [entry for entry in ENTRIES.values() if entry.pairs]
-    assert "stop_point" in [one.name for one in paired]
-    for entry in paired:
-        known = figures(load_target(entry.name))
-        assert len({one.name for one in entry.pairs}) == len(entry.pairs) <= 5
-        for one in entry.pairs:
-            (first, way), (second, other) = (text.split(":") for text in (one.first, one.second))
-            assert {first, second} <= set(known)
-            assert first != second
-            assert {way, other} <= {"up", "down"}
 
 
 def test_a_claim_that_fails_as_it_is_leaves_no_margin(call: Call, tmp_path: Path) -> None:

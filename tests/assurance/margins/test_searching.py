@@ -25,8 +25,9 @@ class Scripted:
         reaches: Callable[[int, int], bool],
         admits: Callable[[int], bool] = lambda _: True,
         known: Callable[[int], bool] = lambda _: False,
+        patiently: Callable[[int], str] = lambda _: "",
     ) -> None:
-        self.known = known
+        self.known, self.patiently = known, patiently
         self._end, self._reaches, self._admits = end, reaches, admits
         self.asked: list[int] = []
         self.broken: set[int] = set()
@@ -44,6 +45,13 @@ class Scripted:
         if end == "broken":
             self.broken.add(value)
         return Answer(end, "c" if end != "proved" else "")  # type: ignore[arg-type] # the script has the four words
+
+    def again(self, values: Mapping[str, int]) -> Answer:
+        value = values["f"]
+        if self.patiently(value) and value not in self.broken:
+            self.broken |= {value} if self.patiently(value) == "broken" else set()
+            return Answer(self.patiently(value), "c")  # type: ignore[arg-type] # as above
+        return self.answer(values)
 
     def quickly(self, values: Mapping[str, int]) -> bool:
         del values
@@ -108,6 +116,26 @@ def test_what_is_undecided_ends_the_search_soon() -> None:
     assert (one.end.end, one.broken_at) == ("undecided", 5_001)
     assert 100 <= one.holds_to <= 120 < (one.beyond or 0)
     assert sum(120 < value <= 5_000 for value in scripted.asked) <= 4
+
+
+@pytest.mark.parametrize(("said", "edge"), [("broken", 120), ("proved", 121)])
+def test_a_value_that_is_not_decided_is_asked_again_with_a_longer_limit(said: str, edge: int) -> None:
+    """Proved to 120, a run from 122 on: what the longer limit says of 121 decides the limit."""
+    scripted = Scripted(
+        lambda value: "proved" if value <= 120 else "undecided" if value == 121 else "broken",
+        lambda value, at: True,
+        patiently=lambda value: said if value == 121 else "",
+    )
+    one = found(scripted)
+    assert (edge, edge + 1, "broken") == (one.holds_to, one.beyond, one.end.end)
+
+
+def test_a_claim_that_says_nothing_ends_the_search_beside_it() -> None:
+    """No run breaks it there, but a proof of it would say nothing either; the nearest such value is found."""
+    scripted = Scripted(lambda value: "proved" if value <= 4_711 else "vacuous", lambda value, at: False)
+    one = found(scripted)
+    assert (4_711, 4_712, "vacuous") == (one.holds_to, one.beyond, one.end.end)
+    assert len(scripted.asked) < 50
 
 
 def test_undecided_up_to_the_end_has_no_run() -> None:

@@ -17,7 +17,7 @@ from safeloc.language.nodes import Lit
 from safeloc.language.spec import Property, always, within
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
-from safeloc.proof.cache.contents import target_digest
+from safeloc.proof.cache.contents import content_digest, target_digest
 from safeloc.reported import Reported
 from safeloc.target import Target
 from tests.declaring import declared
@@ -156,7 +156,7 @@ def test_shipped_machines_have_digests_of_their_own() -> None:
 def test_the_digest_is_the_same_in_another_process() -> None:
     """Whatever the order of sets is there."""
     code = (
-        "from safeloc.catalogue import load_target; from safeloc.proof.cache.contents import target_digest;"
+        "from safeloc.catalogue import load_target; from safeloc.proof.cache.contents import content_digest, target_digest;"
         "print(target_digest(load_target('localizer_sections')))"
     )
     ran = [
@@ -174,3 +174,15 @@ def test_a_literal_counts_by_value() -> None:
     system = lower(made)
     changed = replace(system, outputs={"told": Lit(1, COUNT)})
     assert target_digest(Target("kept", (made,), system, ())) != target_digest(Target("kept", (made,), changed, ()))
+
+
+def test_the_content_of_a_target_has_no_places_and_no_recordings(tmp_path: Path) -> None:
+    """A row that stands elsewhere in its file, and a recording, are in the digest for findings alone; a term is in both."""
+    [first, *others] = machine().transitions
+    elsewhere = target(machine(transitions=[replace(first, src="moved.py:1"), *others]))
+    stream = tmp_path / "kept-run.jsonl"
+    stream.write_text("{}", encoding="utf-8")
+    for other in (elsewhere, target(streams=(stream,))):
+        assert target_digest(other) != target_digest(target())
+        assert content_digest(other) == content_digest(target())
+    assert content_digest(target(machine(lemmas={"small": N <= 99}))) != content_digest(target())
