@@ -176,20 +176,38 @@ def _ended(found: Effect, target: Target, system: TransitionSystem, top: Propert
         return replace(found, end="contained")
     if not isinstance(verdict, Violated) or verdict.trace is None:
         return replace(found, end="undecided")
-    run = _run(verdict.trace)
-    wrong_for = [run]
+    run, wrong_for = _run(verdict.trace), 0
+    begun = [run]
     for cycles in CYCLES:
-        goal = observe(system, withdrawn_within(target, cycles))
-        longer = run_that_goes_on(goal, list(map(_recording, wrong_for)), limits)
-        if longer is not None:
-            wrong_for.append(_run(longer))
+        wrong_for = _prolonged(target, system, begun, (wrong_for, cycles), limits)
+        if wrong_for == cycles:
             continue
-        later = prove_one(goal, limits)
+        later = prove_one(observe(system, withdrawn_within(target, cycles)), limits)
         if isinstance(later, Proved):
             return replace(found, end="withdrawn", within_cycles=cycles, run=run)
-        if not isinstance(later, Violated):
+        if not isinstance(later, Violated) or later.trace is None:
             return replace(found, end="undecided", run=run)
+        begun.append(_run(later.trace))
+        wrong_for = cycles
     return replace(found, end="wrong", run=run)
+
+
+def _prolonged(
+    target: Target, system: TransitionSystem, begun: list[Run], reach: tuple[int, int], limits: Limits
+) -> int:
+    """Prolong wrong runs one cycle at a time, and add them to `begun`; return for how many cycles the interval is wrong in the longest.
+
+    reach  the cycles for which it is wrong so far, and those for which it is to be. A large machine is searched one cycle ahead where
+           several at once are too many
+    """
+    so_far, wanted = reach
+    for cycles in range(so_far + 1, wanted + 1):
+        goal = observe(system, withdrawn_within(target, cycles))
+        longer = run_that_goes_on(goal, list(map(_recording, begun)), limits)
+        if longer is None:
+            return cycles - 1
+        begun.append(_run(longer))
+    return wanted
 
 
 def _run(trace: Trace) -> Run:
