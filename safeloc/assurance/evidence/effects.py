@@ -13,6 +13,7 @@ from typing import Literal
 from safeloc.assurance.evidence.interval import HOLDS, holds_truth, valid_term, withdrawn_within
 from safeloc.assurance.evidence.known_runs import known_runs, run_that_goes_on
 from safeloc.assurance.evidence.top_event import hazard_claims
+from safeloc.assurance.evidence.wired_facts import with_wired_facts
 from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before_step
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, earlier_bool, observe, once, previous, reachable
@@ -86,7 +87,7 @@ def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str],
 
     asked  names of the claims whose proofs may need them; every other claim is kept, since it was proved without them
     """
-    system = without(target.system, broken)
+    system = _broken(target, broken)
     found, runs = Effect(broken), dict[str, Run]()
     for prop in target.properties:
         if prop.kind != "reachable":
@@ -100,10 +101,14 @@ def does_no_harm(target: Target, broken: tuple[ClauseId, ...], asked: Collection
 
     asked  names of the claims whose proofs may need them
     """
-    system, top = without(target.system, broken), holds_truth(target)
+    system, top = _broken(target, broken), holds_truth(target)
     claims = [*hazard_claims(target), *([top] if top is not None else [])]
     goals = (observe(system, replace(prop, kept_by=None)) for prop in claims if prop.name in asked)
     return all(isinstance(kinduction(goal, limits), Proved) for goal in goals)
+
+
+def _broken(target: Target, broken: Collection[ClauseId]) -> TransitionSystem:
+    return with_wired_facts(without(target.system, broken))
 
 
 def _kept(found: Effect, name: str) -> Effect:

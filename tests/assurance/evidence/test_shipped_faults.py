@@ -41,6 +41,15 @@ def test_a_train_passes_whatever_ended_the_passage_before() -> None:
 
 
 @pytest.mark.thorough
+def test_the_train_of_a_record_stays_the_same_by_the_wires() -> None:
+    """Of the verification by itself that is a law; a counted entry keeps it, since its train is that of the counter."""
+    target = load_target("counted_entry")
+    claims = {prop.name for prop in target.properties if prop.kind != "reachable"}
+    one = effect(target, (law(target, "verification_doubted/A1"),), claims, LIMITS)
+    assert ("no hazard", claims, {}, ()) == (one.end, {*one.kept}, one.lost, one.open_)
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "broken", "claims", "end"),
     [
