@@ -12,6 +12,7 @@ from safeloc.language.system import lower
 from safeloc.language.verdict import word
 from safeloc.models import odometry
 from safeloc.models.odometry.marker_reading import OUT_OF_WINDOW
+from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.proof.results import Finding
@@ -59,6 +60,7 @@ def test_every_configuration_is_proved(machine: str, name: str) -> None:
 def test_no_reading_is_out_of_its_window_where_the_claim_on_it_is_vacuous(name: str) -> None:
     """Whether or not a unit slips in the cycle; so the vacuous claims lose nothing."""
     config = ENTRIES["odometry"].configurations.named[name]
+    assert isinstance(config, OdometryConfig)
     model = odometry.build(odometry.parts(config, with_fault=config.single_fault_safe))
     never = [always(f"{one.name} reading fits", one.verdict.ne(OUT_OF_WINDOW)) for one in model.own.readers]
     found = prove(lower(model.machine), never, Limits(), jobs=2)

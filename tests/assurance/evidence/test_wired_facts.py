@@ -5,7 +5,7 @@ from __future__ import annotations
 from safeloc.assurance.evidence.effects import effect
 from safeloc.assurance.evidence.wired_facts import with_wired_facts
 from safeloc.language.composition import Composition, compose
-from safeloc.language.expr import boolean, ite, number
+from safeloc.language.expr import Expr, Var, boolean, ite, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Property, always
 from safeloc.language.units import COUNT
@@ -25,7 +25,7 @@ SAME = ClauseId("keeper", "it is the same train")
 
 def _track() -> Machine:
     """Its world knows which train is there; a new one may come."""
-    moves = {TRAIN: ite(NEW, NEXT, TRAIN), OTHER: ANOTHER}
+    moves: dict[Var, Expr] = {TRAIN: ite(NEW, NEXT, TRAIN), OTHER: ANOTHER}
     world = World({TRAIN: ANY, OTHER: ANY}, [NEXT, ANOTHER], moves)
     return Machine("track", RUNNING, [NEW], {}, {}, [], world=world)
 
