@@ -11,7 +11,15 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.terms import Substitution
 from safeloc.language.units import UM
 from safeloc.models.area import um
-from safeloc.models.area.judgement import NO_TRAIN, TRAIN_FOLLOWED, TRAINS_ELSEWHERE, UNCOUNTED, VERIFIED
+from safeloc.models.area.judgement import (
+    NO_TRAIN,
+    PART_LEFT_BEHIND,
+    TRAIN_FOLLOWED,
+    TRAIN_SILENT,
+    TRAINS_ELSEWHERE,
+    UNCOUNTED,
+    VERIFIED,
+)
 from safeloc.models.area.slot import ACCEPTED, Slot
 from safeloc.models.sections import RULES, Section, Sections
 from safeloc.properties import area, followers, section_report
@@ -227,6 +235,13 @@ def _timed(model: Sections, one: Section) -> Iterator[Property]:
         mode.eq(occupied).implies(all_of(_in_time(model, one))),
         statement="the state is no longer OCCUPIED from the cycle on in which the mute timer or the integrity timer of a "
         "train in the section ends",
+    )
+    evidence = of.num(machine.output("evidence"))
+    yield for_all_inputs(
+        f"{name} doubts no train within its timers",
+        all_of(_in_time(model, one)).implies(~evidence.one_of(TRAIN_SILENT, PART_LEFT_BEHIND)),
+        statement="while every train that may be in the section is within its mute timer and its integrity timer, as the area counts "
+        "them, the state rests neither on a silent train nor on a part that a train may have lost",
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Lit, Num, as_num, between, exact_to, ite
+import math
+
+from safeloc.language.expr import Bool, Lit, Num, as_num, between, exact_to, ite, with_unit
 from safeloc.language.units import NM
 from safeloc.models.odometry.distance_device import Device, Unit
 from safeloc.models.odometry.hidden_faults import hidden_with_age
@@ -24,6 +26,8 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
         stray = current.eq(candidate) & (own.ghosts.since_stray <= device.age)
         found[f"{unit.name} holds the truth"] = unit.alive.implies(sound | stray)
         found[f"{unit.name} is dead while delocalized"] = current.eq(lost).implies(~unit.alive)
+        if own.config.single_fault_safe and _drift_mm_s2(device):
+            found[f"{unit.name} holds the drift of its age"] = unit.alive.implies(_grown_with_age(unit, device))
     for device, target in zip(own.devices, located, strict=True):
         found[f"{device.name} device is alive when it leads"] = current.eq(target).implies(device.values.alive)
     if len(own.devices) == 2:
@@ -45,6 +49,24 @@ def _set_no_earlier(own: Parts, index: int, device: Device) -> Bool:
     """A unit that drifts was really set no earlier than the device reckons."""
     unset = own.ghosts.units[index].unset
     return as_num(0, NM).eq(0) if unset is None else unset <= device.age
+
+
+def _drift_mm_s2(device: Device) -> int:
+    """The drift that a cycle adds to either unit of a device that is safe against a single fault: the greater one."""
+    return max(unit.law.drift_mm_s2 for unit in device.units)
+
+
+def _grown_with_age(unit: Unit, device: Device) -> Bool:
+    """Both margins have grown, since a certain age, by at least what the drift of that age adds in each cycle.
+
+    Later cycles add no less: the drift grows with the age, and a cycle without a usable distance adds the farthest run. So a unit
+    that is alive is no older than its tolerance allows. The age is the one that makes this bound the least.
+    """
+    drift, limits = _drift_mm_s2(device), unit.limits
+    since_ms = max(math.isqrt(limits.tolerance_mm * 1_000_000 // drift), limits.period_ms)
+    nm_in_a_ms = min(drift * since_ms, limits.max_speed_mm_s * 1_000)
+    grown = with_unit(device.age * nm_in_a_ms, NM) - as_num(nm_in_a_ms * since_ms, NM)
+    return (grown <= unit.above) & (grown <= unit.below)
 
 
 def _holds(own: Parts, unit: Unit) -> Bool:

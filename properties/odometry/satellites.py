@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, exact_to, maximum
+from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, as_num, before, exact_to, maximum, with_unit
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
-from safeloc.language.units import NM
+from safeloc.language.units import NM, NM_PER_MM
 from safeloc.models.odometry import M1, Odometry
 from safeloc.models.odometry.distance_device import Unit
 from safeloc.models.odometry.marker_reading import ACCEPTED, CANDIDATE, NONE, NOT_BETTER, OUT_OF_WINDOW, TOO_COARSE
@@ -168,13 +168,19 @@ def _meets(model: Odometry, given: SatelliteReader) -> Bool:
     """The position's interval meets what some unit said before the cycle, widened by more than a cycle can run and add.
 
     A cycle runs at most at top speed, and adds no more than the difference of two such runs, a run's worth of error and both
-    one-off constants.
+    one-off constants. Where a unit drifts, its law explains ever more with its age: that adds the drift of a cycle, or lets the
+    difference of the units count for one run more. Margins of a device that is safe against a single fault hold that drift already.
     """
     config = model.own.config
     run_mm = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     wider_mm = 4 * run_mm + config.first_unit.constant_mm + config.second_unit.constant_mm
-    low, high = given.place.value - given.below - wider_mm, given.place.value + given.above + wider_mm
-    return any_of(_overlaps(unit, exact_to(low, NM), exact_to(high, NM)) for unit in model.own.units)
+    drift = max(config.first_unit.drift_mm_s2, config.second_unit.drift_mm_s2)
+    wider: Num = as_num(wider_mm * NM_PER_MM, NM)
+    if drift and not config.single_fault_safe:
+        age = earlier_num(model.own.devices[0].age) + config.period_ms
+        wider = wider + run_mm * NM_PER_MM + with_unit(age * (drift * config.period_ms), NM)
+    low, high = (exact_to(place, NM) for place in (given.place.value - given.below, given.place.value + given.above))
+    return any_of(_overlaps(unit, low - wider, high + wider) for unit in model.own.units)
 
 
 def _overlaps(unit: Unit, low: Num, high: Num) -> Bool:

@@ -21,6 +21,7 @@ from safeloc.models.odometry.satellite_reading import SatelliteReader
 from safeloc.models.odometry.simulate import NO_SATELLITES, simulate
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.odometry.world import SATELLITES
+from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT
 from tests.models.test_odometry import PLAIN, label, marker, on_board, step
 from tests.models.test_odometry_wrong_edits import refuted
 
@@ -285,3 +286,16 @@ def test_a_position_that_is_never_used_is_noticed(monkeypatch: pytest.MonkeyPatc
     """It sets nothing, so no claim of safety is broken; the one that bounds the margin is."""
     never_used(monkeypatch)
     assert refuted(odometry.build(parts(DEFAULTS)), "a position of satellites bounds the margin")
+
+
+DRIFTING = OdometryConfig(
+    devices=1, first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER, satellite_markers=True, trust_first_marker=True
+)
+
+
+def test_a_position_outside_sets_nothing_where_a_unit_drifts(monkeypatch: Patch) -> None:
+    """The law of a unit that drifts explains ever more with its age: the units may differ by two runs, and the claim allows for it."""
+    outside = "a position of satellites that is outside sets nothing"
+    assert refuted(odometry.build(parts(DRIFTING)), outside) == set()
+    monkeypatch.setattr(Fix, "fits", lambda *_: TRUE)
+    assert refuted(odometry.build(parts(DRIFTING)), outside)

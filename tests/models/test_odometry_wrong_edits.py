@@ -10,7 +10,7 @@ import pytest
 
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import FALSE, TRUE, Bool, Num, all_of, as_num
-from safeloc.language.spec import observe
+from safeloc.language.spec import always, observe
 from safeloc.language.system import environment, in_range, lower
 from safeloc.language.terms import Substitution, variables
 from safeloc.language.units import MM
@@ -252,6 +252,35 @@ def test_a_forgotten_drift_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     law_with(drift_mm_s2=0)(monkeypatch)
     config = OdometryConfig(devices=1, first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER)
     assert refuted(odometry.build(parts(config)), "containment")
+
+
+AGED = OdometryConfig(
+    devices=1, first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER, single_fault_safe=True, tolerance_mm=45_000
+)
+GROWN = "front_{} holds the drift of its age"
+
+
+@pytest.mark.parametrize("unit", ["eddy_current", "accelerometer"])
+def test_the_drift_that_a_margin_holds_is_asked_of_both_units(unit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each margin of a device that is safe against a single fault grows by the drift of either unit; a forgotten one is noticed."""
+    claim = always("the lemmas", TRUE)
+    right = odometry.build(parts(AGED, with_fault=True))
+    assert inductive(right.machine, claim, GROWN.format(unit))
+    law_with(drift_mm_s2=0)(monkeypatch)
+    wrong = odometry.build(parts(AGED, with_fault=True))
+    assert not inductive(wrong.machine, claim, GROWN.format(unit))
+
+
+@pytest.mark.parametrize(
+    ("law", "vehicle"),
+    [({"drift_mm_s2": 1_000}, {}), ({"drift_mm_s2": 1_000}, {"max_speed_mm_s": 1}), ({}, {"period_ms": 1_000})],
+)
+def test_the_drift_of_their_age_is_held_whatever_the_figures(law: dict[str, int], vehicle: dict[str, int]) -> None:
+    """Also where the drift of a cycle soon exceeds the farthest run."""
+    unit = ACCELEROMETER.model_copy(update=law)
+    config = OdometryConfig.model_validate({**dict(AGED), "second_unit": unit, **vehicle})
+    machine = odometry.build(parts(config, with_fault=True)).machine
+    assert inductive(machine, always("the lemmas", TRUE), GROWN.format("accelerometer"))
 
 
 @pytest.mark.thorough(ordinary=2)

@@ -89,11 +89,13 @@ def test_timers_are_durations() -> None:
     [
         ({"mute_ms": 3_000}, "section_1 obeys its timers"),
         ({"integrity_wait_ms": 4_000}, "section_1 obeys its timers"),
+        ({"mute_ms": 1_000}, "section_1 doubts no train within its timers"),
+        ({"integrity_wait_ms": 2_000}, "section_1 doubts no train within its timers"),
         ({"mute_ms": 4_000}, "section_1 is trusted as far as its reports are fresh"),
     ],
 )
 def test_a_section_with_other_timers_is_noticed(timers: dict[str, int], broken: str) -> None:
-    """One or two cycles longer than configured break the property."""
+    """One or two cycles longer than configured break the property, and one cycle shorter."""
     config = SectionsConfig(area=AreaConfig(trains=1), mute_ms=2_000, integrity_wait_ms=3_000)
     slower = section(config.model_copy(update=timers), "section_1")
     wrong = joined(build_area(area_parts(config.area)), (replace(slower, config=config),))

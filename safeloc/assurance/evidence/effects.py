@@ -13,6 +13,7 @@ from typing import Literal
 from safeloc.assurance.evidence.interval import HOLDS, holds_truth, valid_term, withdrawn_within
 from safeloc.assurance.evidence.known_runs import known_runs, run_that_goes_on
 from safeloc.assurance.evidence.top_event import hazard_claims
+from safeloc.assurance.evidence.wired_facts import with_wired_facts
 from safeloc.language.expr import Bool, Expr, Lit, NumVar, Var, all_of, any_of, before_step
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, earlier_bool, observe, once, previous, reachable
@@ -86,7 +87,7 @@ def effect(target: Target, broken: tuple[ClauseId, ...], asked: Collection[str],
 
     asked  names of the claims whose proofs may need them; every other claim is kept, since it was proved without them
     """
-    system = without(target.system, broken)
+    system = _broken(target, broken)
     found, runs = Effect(broken), dict[str, Run]()
     for prop in target.properties:
         if prop.kind != "reachable":
@@ -100,10 +101,14 @@ def does_no_harm(target: Target, broken: tuple[ClauseId, ...], asked: Collection
 
     asked  names of the claims whose proofs may need them
     """
-    system, top = without(target.system, broken), holds_truth(target)
+    system, top = _broken(target, broken), holds_truth(target)
     claims = [*hazard_claims(target), *([top] if top is not None else [])]
     goals = (observe(system, replace(prop, kept_by=None)) for prop in claims if prop.name in asked)
     return all(isinstance(kinduction(goal, limits), Proved) for goal in goals)
+
+
+def _broken(target: Target, broken: Collection[ClauseId]) -> TransitionSystem:
+    return with_wired_facts(without(target.system, broken))
 
 
 def _kept(found: Effect, name: str) -> Effect:
@@ -176,20 +181,38 @@ def _ended(found: Effect, target: Target, system: TransitionSystem, top: Propert
         return replace(found, end="contained")
     if not isinstance(verdict, Violated) or verdict.trace is None:
         return replace(found, end="undecided")
-    run = _run(verdict.trace)
-    wrong_for = [run]
+    run, wrong_for = _run(verdict.trace), 0
+    begun = [run]
     for cycles in CYCLES:
-        goal = observe(system, withdrawn_within(target, cycles))
-        longer = run_that_goes_on(goal, list(map(_recording, wrong_for)), limits)
-        if longer is not None:
-            wrong_for.append(_run(longer))
+        wrong_for = _prolonged(target, system, begun, (wrong_for, cycles), limits)
+        if wrong_for == cycles:
             continue
-        later = prove_one(goal, limits)
+        later = prove_one(observe(system, withdrawn_within(target, cycles)), limits)
         if isinstance(later, Proved):
             return replace(found, end="withdrawn", within_cycles=cycles, run=run)
-        if not isinstance(later, Violated):
+        if not isinstance(later, Violated) or later.trace is None:
             return replace(found, end="undecided", run=run)
+        begun.append(_run(later.trace))
+        wrong_for = cycles
     return replace(found, end="wrong", run=run)
+
+
+def _prolonged(
+    target: Target, system: TransitionSystem, begun: list[Run], reach: tuple[int, int], limits: Limits
+) -> int:
+    """Prolong wrong runs one cycle at a time, and add them to `begun`; return for how many cycles the interval is wrong in the longest.
+
+    reach  the cycles for which it is wrong so far, and those for which it is to be. A large machine is searched one cycle ahead where
+           several at once are too many
+    """
+    so_far, wanted = reach
+    for cycles in range(so_far + 1, wanted + 1):
+        goal = observe(system, withdrawn_within(target, cycles))
+        longer = run_that_goes_on(goal, list(map(_recording, begun)), limits)
+        if longer is None:
+            return cycles - 1
+        begun.append(_run(longer))
+    return wanted
 
 
 def _run(trace: Trace) -> Run:

@@ -23,6 +23,15 @@ def law(target: Target, wanted: str) -> ClauseId:
     return next(one for one in assumed_clauses(target.system) if ids_of(target)[one] == wanted)
 
 
+def test_the_age_of_a_record_is_counted_whatever_the_record_says() -> None:
+    """A false record leads to the hazard, but a place is withheld after as many cycles as always: proved without a bound."""
+    target = load_target("verification_doubted")
+    claim = next(one for one in target.properties if one.name == "a place whose record is old")
+    for broken in ("verification_doubted/A4", "verification_doubted/A5"):
+        system = without(target.system, [law(target, broken)])
+        assert "proved" == word(prove_one(observe(system, claim), LIMITS)), broken
+
+
 def test_a_train_passes_whatever_ended_the_passage_before() -> None:
     """A passage that is reported as over while its train runs on costs the count, not the distance after the last axle."""
     target = load_target("axle_counter")
@@ -32,12 +41,22 @@ def test_a_train_passes_whatever_ended_the_passage_before() -> None:
 
 
 @pytest.mark.thorough
+def test_the_train_of_a_record_stays_the_same_by_the_wires() -> None:
+    """Of the verification by itself that is a law; a counted entry keeps it, since its train is that of the counter."""
+    target = load_target("counted_entry")
+    claims = {prop.name for prop in target.properties if prop.kind != "reachable"}
+    one = effect(target, (law(target, "verification_doubted/A1"),), claims, LIMITS)
+    assert ("no hazard", claims, {}, ()) == (one.end, {*one.kept}, one.lost, one.open_)
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "broken", "claims", "end"),
     [
         ("unlinked_group", "unlinked_group/A1", {"containment"}, "wrong"),
         ("arbitration", "arbitration/A5", {"containment"}, "wrong"),
         ("satellite_drift", "satellite/position/A1", {"common drift is bounded"}, "wrong"),
+        ("satellite_drift", "satellite_drift/position/A6", {"common drift is bounded"}, "wrong"),
         ("axle_counter", "axle_counter/A6", {"length is true", "place is true", "count is true"}, "hazard"),
     ],
 )
