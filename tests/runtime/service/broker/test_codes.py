@@ -1,0 +1,52 @@
+"""The code of a report: it fits the topic and every byte, or the report is not used."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from safeloc.errors import InputError
+from safeloc.runtime.service.broker.codes import Codes
+from safeloc.runtime.service.broker.settings import read_broker
+from tests.runtime.service.broker.mosquitto import broker_file
+
+KEY = bytes(range(32))
+TEXT = b'{"vehicle": "12", "interval_mm": [1000, 2000]}'
+
+
+def test_a_report_with_its_code() -> None:
+    """It is one JSON object as before, with one field more."""
+    made = Codes(KEY).added("fleet/reports/3/12", TEXT)
+    assert json.loads(made) == {**json.loads(TEXT), "code": json.loads(made)["code"]}
+    assert Codes(KEY).checked("fleet/reports/3/12", made)
+
+
+def test_any_change_is_seen() -> None:
+    """Each bit, another topic, another key, none, and a second code."""
+    made = Codes(KEY).added("fleet/reports/3/12", TEXT)
+    for place in range(len(made)):
+        for bit in range(8):
+            changed = made[:place] + bytes([made[place] ^ 1 << bit]) + made[place + 1 :]
+            assert not Codes(KEY).checked("fleet/reports/3/12", changed)
+    assert not Codes(KEY).checked("fleet/reports/3/13", made)
+    assert not Codes(KEY[::-1]).checked("fleet/reports/3/12", made)
+    assert not Codes(KEY).checked("fleet/reports/3/12", TEXT)
+    assert not Codes(KEY).checked("fleet/reports/3/12", made + b"\n")
+    assert not Codes(KEY).checked("fleet/reports/3/12", made[:-1] + made[made.index(b', "code"') :])
+
+
+def test_the_key(tmp_path: Path) -> None:
+    """It is in a file, long enough, and not told by the settings."""
+    (tmp_path / "report.key").write_bytes(KEY)
+    settings = read_broker("mqtt://localhost/fleet", broker_file(tmp_path, code_key_file="report.key"), {})
+    assert settings.codes is not None
+    assert settings.codes.checked("a", Codes(KEY).added("a", TEXT))
+    assert KEY.hex() not in repr(settings)
+    (tmp_path / "report.key").write_bytes(KEY[:31])
+    with pytest.raises(InputError, match=r"report\.key: a key of 31 bytes can be guessed"):
+        read_broker("mqtt://localhost/fleet", broker_file(tmp_path, code_key_file="report.key"), {})
+    with pytest.raises(InputError, match=r"absent\.key: cannot be read"):
+        read_broker("mqtt://localhost/fleet", broker_file(tmp_path, code_key_file="absent.key"), {})
+    assert read_broker("mqtt://localhost/fleet", broker_file(tmp_path), {}).codes is None
