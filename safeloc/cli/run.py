@@ -23,6 +23,7 @@ from safeloc.runtime.embedding.arguments import period_of
 from safeloc.runtime.service.address import address
 from safeloc.runtime.service.broker.division import Division
 from safeloc.runtime.service.broker.settings import Broker, is_broker, read_broker
+from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
@@ -159,7 +160,7 @@ def run(
         if wiring is None or broker is None or broker.codes is None:
             fleet = Fleet(program, settings, programs)
         else:
-            fleet = AreaFleet(program, settings, wiring, broker.codes)
+            fleet = AreaFleet(program, settings, wiring, broker.codes, Topics(broker.prefix, broker.partitions))
         return Parts(feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog, tracer)
 
     supervised = Supervised(alive)

@@ -22,12 +22,17 @@ from safeloc.runtime.service.lines import Line
 from safeloc.runtime.service.messages import Message, shortened
 from safeloc.runtime.service.vehicle import MakeController, Output, Vehicle
 
+_NO_CODE = "its code does not fit: it was changed, is another's, or was made without the key"
+
 
 class AreaFleet(Fleet):
-    """Areas by name. A line is one of detection, for one cycle of its area."""
+    """Areas by name. A line is one of detection, for one cycle of its area; lines and reports have a code (`codes`).
 
-    def __init__(self, program: Program, settings: FleetSettings, wiring: Wiring, codes: Codes) -> None:
-        self._wiring, self._codes = wiring, codes
+    topics  those of the areas
+    """
+
+    def __init__(self, program: Program, settings: FleetSettings, wiring: Wiring, codes: Codes, topics: Topics) -> None:
+        self._wiring, self._codes, self._topics = wiring, codes, topics
         self._topic_of = _topics(wiring)
         self._areas_of: Mapping[str, list[str]] = {vehicle: [] for vehicle in wiring.file.vehicles}
         for area in wiring.file.areas:
@@ -35,6 +40,13 @@ class AreaFleet(Fleet):
                 self._areas_of[vehicle].append(area)
         any_area = next(iter(wiring.file.areas.values()))
         super().__init__(program, replace(settings, inputs=True, numbered=True, first=any_area.first))
+
+    def handle(self, origin: str, line: Line, *, from_start: bool, only: str | None = None) -> list[Output]:
+        """Handle a line of detection; without a code that fits it counts as one that cannot be read."""
+        if not line.flaw:
+            text = self._codes.opened(self._topics.record(origin), line.text)
+            line = line._replace(text=b"", flaw=_NO_CODE) if text is None else line._replace(text=text)
+        return super().handle(origin, line, from_start=from_start, only=only)
 
     def told(self, about: str, payload: bytes) -> list[Output]:
         """Hand the report of a vehicle to the areas that it may come into."""
@@ -48,10 +60,11 @@ class AreaFleet(Fleet):
         return self._of_one(vehicle, partial(vehicle.hear, about, seen))
 
     def _read(self, about: str, payload: bytes) -> Seen | str:
-        if not self._codes.checked(self._topic_of[about], payload):
-            return "its code does not fit: it was changed, is another vehicle's, or was made without the key"
+        text = self._codes.opened(self._topic_of[about], payload)
+        if text is None:
+            return _NO_CODE
         try:
-            return read_report(about, payload, self._wiring.file.vehicles[about])
+            return read_report(about, text, self._wiring.file.vehicles[about])
         except Exception as error:  # the rule of every border (safeloc.runtime.outside)
             return shortened(refusal(error))
 

@@ -23,7 +23,7 @@ from safeloc.shipped_machines import ENTRIES
 END_MM, SECTION_MM, PERIOD_MS, CLOCK_ERROR_MS = 3_000_000, 500_000, 1_000, 50
 LENGTHS_MM = {"a": 120_000, "b": 80_000, "c": 200_000}
 CODES = Codes(b"0123456789abcdef0123456789abcdef")
-TOPICS = Topics("fleet", 4)
+TOPICS, OF_AREAS = Topics("fleet", 4), Topics("areas", 4)
 Data = dict[str, Any]
 
 
@@ -82,7 +82,7 @@ class Process:
 
     def __init__(self, wiring: Wiring) -> None:
         self._wiring = wiring
-        self.fleet = AreaFleet(program(), FleetSettings(PERIOD_MS), wiring, CODES)
+        self.fleet = AreaFleet(program(), FleetSettings(PERIOD_MS), wiring, CODES, OF_AREAS)
         self.lines: list[bytes] = []
         self._saved: tuple[int, Mapping[str, Any]] | None = None
 
@@ -90,7 +90,7 @@ class Process:
         """A line of detection, and what it leads to; inputs by their names in the area."""
         fields = {"vehicle": "west", "number": len(self.lines) + 1, "cycle": cycle, "area.counters_healthy": True}
         text = json.dumps({**fields, **{f"area.{name}": value for name, value in found.items()}}).encode()
-        return self.say(text)
+        return self.say(CODES.added(OF_AREAS.record("west"), text))
 
     def say(self, text: bytes) -> list[Data]:
         """A line of detection as it stands."""
@@ -107,7 +107,7 @@ class Process:
 
     def move(self) -> list[Data]:
         """Go on in another process, from the last snapshot: lines of detection since then come again, reports do not."""
-        self.fleet = AreaFleet(program(), FleetSettings(PERIOD_MS), self._wiring, CODES)
+        self.fleet = AreaFleet(program(), FleetSettings(PERIOD_MS), self._wiring, CODES, OF_AREAS)
         known = 0
         if self._saved is not None:
             known, saved = self._saved

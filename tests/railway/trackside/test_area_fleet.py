@@ -15,7 +15,18 @@ from safeloc.railway.trackside.trains import Trains
 from safeloc.railway.trackside.wiring import VehicleWiring
 from safeloc.runtime.service.broker.codes import Codes
 from safeloc.runtime.service.broker.topics import partition_of
-from tests.railway.trackside.areas import LENGTHS_MM, Data, Process, clear, report, topic_of, wired, wiring_text
+from tests.railway.trackside.areas import (
+    CODES,
+    LENGTHS_MM,
+    OF_AREAS,
+    Data,
+    Process,
+    clear,
+    report,
+    topic_of,
+    wired,
+    wiring_text,
+)
 from tests.railway.trackside.traffic import TROUBLES, Drive
 
 CYCLES = 120
@@ -66,6 +77,10 @@ def _anywhere(self: Trains, one: Any, side: int, end_ms: int) -> bool:
     return one.vehicle not in self.slots.values() and one.wiring.faces_upwards is (side == 0)
 
 
+def _unopened(_self: Codes, _topic: str, payload: bytes) -> bytes:
+    return payload[: payload.index(b', "code"')] + b"}" if b', "code"' in payload else payload
+
+
 def _of_anybody(_vehicle: str, payload: bytes, wiring: VehicleWiring) -> seen.Seen:
     return seen.read_report(json.loads(payload)["vehicle"], payload, wiring)
 
@@ -73,10 +88,10 @@ def _of_anybody(_vehicle: str, payload: bytes, wiring: VehicleWiring) -> seen.Se
 WRONG: dict[str, tuple[dict[tuple[object, str], object], int, Data]] = {
     "age does not count": ({(Trains, "_age_ms"): _ageless}, 9, {"troubles": ("late",), "kills": False}),
     "codes are not looked at": (
-        {(Codes, "checked"): lambda *_: True}, 27, {"troubles": ("shifted",), "kills": False},
+        {(Codes, "opened"): _unopened}, 27, {"troubles": ("shifted",), "kills": False},
     ),
     "reports are anybody's": (
-        {(Codes, "checked"): lambda *_: True, (area_fleet, "read_report"): _of_anybody}, 2,
+        {(Codes, "opened"): _unopened, (area_fleet, "read_report"): _of_anybody}, 2,
         {"troubles": ("foreign",), "kills": False, "per_cent": 60},
     ),
     "a slot wherever the vehicle is": ({(Trains, "_comes_in"): _anywhere}, 37, {"troubles": ("lost",), "per_cent": 97}),
@@ -138,8 +153,8 @@ def test_a_vehicle_that_vanishes(tmp_path: Path) -> None:
 
 REFUSED = {
     "its code does not fit": report("a", 10_002_950, 25_000, 27_000).replace(b"25000", b"25001"),
-    "changed, is another": report("a", 10_002_950, 25_000, 27_000)[:-5],
-    "is another vehicle's": report("b", 10_002_950, 25_000, 27_000),
+    "was changed": report("a", 10_002_950, 25_000, 27_000)[:-5],
+    "is another's": report("b", 10_002_950, 25_000, 27_000),
     "too old": report("b", 9_000_000, 25_000, 27_000),
     "ahead of the clock": report("a", 20_000_000, 25_000, 27_000),
     "repeated": report("a", 10_001_950, 25_000, 27_000),
@@ -235,3 +250,22 @@ def test_who_listens_to_whom(tmp_path: Path) -> None:
     assert list(reports.topics(1 - own)) == []
     assert reports.about(topic_of("a")) == "a"
     assert reports.about("fleet/reports/0/nobody") is None
+
+
+@pytest.mark.parametrize("damage", ["changed", "of another area", "without a code", "no line"])
+def test_lines_of_detection_have_a_code(tmp_path: Path, damage: str) -> None:
+    """One that does not fit costs its cycle and the one after it: then only detection inside the area shows what is clear."""
+    process = came_in(tmp_path)
+    good = json.dumps(
+        {"vehicle": "west", "number": 4, "cycle": 10_003, **{f"area.{k}": v for k, v in EMPTY.items()}}
+    ).encode()
+    bad = {
+        "changed": CODES.added(OF_AREAS.record("west"), good).replace(b"10003", b"10004"),
+        "of another area": CODES.added(OF_AREAS.record("east"), good),
+        "without a code": good,
+        "no line": b"{",
+    }
+    [refused] = process.say(bad[damage])
+    assert "its code does not fit" in refused["reason"]
+    told = [one for one in process.detect(10_004, **OCCUPIED) if "mode" in one]
+    assert [clear(one) for one in told] == [[], [5, 6]]

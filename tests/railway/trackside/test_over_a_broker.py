@@ -13,8 +13,10 @@ from safeloc.models.sections import SectionsConfig
 from safeloc.railway.trackside.area_fleet import AreaFleet, VehicleReports
 from safeloc.railway.trackside.wiring import load_wiring
 from safeloc.runtime.embedding import Program
+from safeloc.runtime.service.broker.codes import Codes
 from safeloc.runtime.service.broker.division import Division
 from safeloc.runtime.service.broker.settings import Broker as Settings
+from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.shipped_machines import ENTRIES
 from tests.runtime.embedding.driving import STEP_MM
@@ -81,7 +83,7 @@ class AreaWorker(Worker):
         )
 
     def _fleet(self) -> Fleet:
-        return AreaFleet(program(), FleetSettings(PERIOD_MS), self._wiring, self._codes)
+        return AreaFleet(program(), FleetSettings(PERIOD_MS), self._wiring, self._codes, Topics("areas", 4))
 
 
 def drive(name: str) -> list[bytes]:
@@ -116,7 +118,8 @@ def detection(cycle: int) -> bytes:
         "high_side_clear": high, "inner_1_clear": free(cycle, LOW_MM, 399_999), "inner_2_clear": free(cycle, 400_000, HIGH_MM),
     }  # fmt: skip
     named = {f"area.{name}": value for name, value in found.items()}
-    return json.dumps({"vehicle": "west", "number": cycle, "cycle": cycle, **named}).encode()
+    text = json.dumps({"vehicle": "west", "number": cycle, "cycle": cycle, **named}).encode()
+    return Codes(KEY).added(Topics("areas", 4).record("west"), text)
 
 
 def wrong(one: Data) -> list[str]:

@@ -1,7 +1,7 @@
-"""The code of a report: it shows that the report is unchanged since the process that made it, whatever the broker did with it.
+"""The code of a report or a line: it shows that it is unchanged since whoever made it, whatever the broker did with it.
 
-A report is one JSON object; its last field, `code`, is an HMAC-SHA256 over the topic and all that stands before it. The topic
-names the vehicle, so a report under another topic does not fit. The key is that of all processes of the fleet.
+It is one JSON object; its last field, `code`, is an HMAC-SHA256 over the topic and all that stands before it. The topic names
+the vehicle, so what stands under another topic does not fit. The key is that of all processes of the fleet.
 """
 
 from __future__ import annotations
@@ -22,13 +22,15 @@ class Codes:
         self._key = key
 
     def added(self, topic: str, text: bytes) -> bytes:
-        """Return a report, a JSON object, with its code as the last field."""
+        """Return a JSON object with its code as the last field."""
         return b'%b, "code": "%b"}' % (text[:-1], self._code(topic, text[:-1]))
 
-    def checked(self, topic: str, payload: bytes) -> bool:
-        """Return whether the code of a report fits: nothing of it was changed, and it is of this topic."""
+    def opened(self, topic: str, payload: bytes) -> bytes | None:
+        """Return the object without its code; None if the code does not fit: it was changed, or is of another topic."""
         found = _LAST_FIELD.search(payload)
-        return found is not None and hmac.compare_digest(self._code(topic, payload[: found.start()]), found[1])
+        if found is None or not hmac.compare_digest(self._code(topic, payload[: found.start()]), found[1]):
+            return None
+        return payload[: found.start()] + b"}"
 
     def _code(self, topic: str, body: bytes) -> bytes:
         return hmac.digest(self._key, topic.encode() + b"\n" + body, "sha256").hex().encode()

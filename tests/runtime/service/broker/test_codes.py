@@ -20,7 +20,7 @@ def test_a_report_with_its_code() -> None:
     """It is one JSON object as before, with one field more."""
     made = Codes(KEY).added("fleet/reports/3/12", TEXT)
     assert json.loads(made) == {**json.loads(TEXT), "code": json.loads(made)["code"]}
-    assert Codes(KEY).checked("fleet/reports/3/12", made)
+    assert Codes(KEY).opened("fleet/reports/3/12", made) == TEXT
 
 
 def test_any_change_is_seen() -> None:
@@ -29,12 +29,12 @@ def test_any_change_is_seen() -> None:
     for place in range(len(made)):
         for bit in range(8):
             changed = made[:place] + bytes([made[place] ^ 1 << bit]) + made[place + 1 :]
-            assert not Codes(KEY).checked("fleet/reports/3/12", changed)
-    assert not Codes(KEY).checked("fleet/reports/3/13", made)
-    assert not Codes(KEY[::-1]).checked("fleet/reports/3/12", made)
-    assert not Codes(KEY).checked("fleet/reports/3/12", TEXT)
-    assert not Codes(KEY).checked("fleet/reports/3/12", made + b"\n")
-    assert not Codes(KEY).checked("fleet/reports/3/12", made[:-1] + made[made.index(b', "code"') :])
+            assert Codes(KEY).opened("fleet/reports/3/12", changed) is None
+    assert Codes(KEY).opened("fleet/reports/3/13", made) is None
+    assert Codes(KEY[::-1]).opened("fleet/reports/3/12", made) is None
+    assert Codes(KEY).opened("fleet/reports/3/12", TEXT) is None
+    assert Codes(KEY).opened("fleet/reports/3/12", made + b"\n") is None
+    assert Codes(KEY).opened("fleet/reports/3/12", made[:-1] + made[made.index(b', "code"') :]) is None
 
 
 def test_the_key(tmp_path: Path) -> None:
@@ -42,7 +42,7 @@ def test_the_key(tmp_path: Path) -> None:
     (tmp_path / "report.key").write_bytes(KEY)
     settings = read_broker("mqtt://localhost/fleet", broker_file(tmp_path, code_key_file="report.key"), {})
     assert settings.codes is not None
-    assert settings.codes.checked("a", Codes(KEY).added("a", TEXT))
+    assert settings.codes.opened("a", Codes(KEY).added("a", TEXT)) == TEXT
     assert KEY.hex() not in repr(settings)
     (tmp_path / "report.key").write_bytes(KEY[:31])
     with pytest.raises(InputError, match=r"report\.key: a key of 31 bytes can be guessed"):

@@ -76,5 +76,5 @@ def test_codes_of_reports() -> None:
         one.flush()
         [(topic, report, retained), (_, event, _)] = connection.published
         assert (topic, retained, event) == (f"areas/reports/{OWN}/west", True, b'{"event": "refused"}')
-        assert codes.checked(topic, report) is (made is codes)
+        assert (codes.opened(topic, report) is not None) is (made is codes)
         assert report.startswith(b'{"vehicle": "west"')
