@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,14 @@ def test_the_key(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"absent\.key: cannot be read"):
         read_broker("mqtt://localhost/fleet", broker_file(tmp_path, code_key_file="absent.key"), {})
     assert read_broker("mqtt://localhost/fleet", broker_file(tmp_path), {}).codes is None
+
+
+def test_the_page_says_how(capsys: pytest.CaptureFixture[str]) -> None:
+    """The program of docs/trackside.md makes a line whose code fits."""
+    text = (Path(__file__).resolve().parents[4] / "docs" / "trackside.md").read_text(encoding="utf-8")
+    [program] = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    exec(program, {})  # the page's own program
+    line = capsys.readouterr().out.strip().encode()
+    opened = Codes(bytes(32)).opened("areas/records/11/west", line)
+    assert opened is not None
+    assert json.loads(opened)["cycle"] == 1764279000
