@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
+from safeloc.catalogue import load_target
 from safeloc.errors import InputError
+from safeloc.language.interpret import start
 from safeloc.models.area import AreaConfig
 from safeloc.models.sections import SectionsConfig
 from safeloc.railway.trackside.wiring import load_wiring
+from safeloc.runtime.service.broker.topics import partition_of
 from tests.railway.trackside.areas import END_MM, config, wired, wiring_text
 
 RIGHT = wiring_text()
@@ -77,3 +81,17 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     """It is named."""
     with pytest.raises(InputError, match=r"absent\.toml"):
         load_wiring(tmp_path / "absent.toml", config())
+
+
+def test_the_page_says_how(tmp_path: Path) -> None:
+    """Configuration and wiring of docs/trackside.md fit each other, and the machine begins with them."""
+    page = (Path(__file__).resolve().parents[3] / "docs" / "trackside.md").read_text(encoding="utf-8")
+    machine, wiring = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    for name, text in (("sections.toml", machine), ("areas.toml", wiring)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    target = load_target("sections", tmp_path / "sections.toml")
+    assert isinstance(target.config, SectionsConfig)
+    found = load_wiring(tmp_path / "areas.toml", target.config)
+    assert f"areas/records/{partition_of('west', 16)}/west" in page
+    values = start(target.system, {**found.file.areas["west"].first})
+    assert values
