@@ -34,7 +34,7 @@ class SavedTrains(BaseModel):
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
-    slots: dict[str, str] = {}
+    slots: dict[Annotated[str, Field(pattern=r"^[0-9]{1,2}$")], str] = {}
     last: dict[str, _Count] = {}
     outside: dict[str, _Ends] = {}
     admitted: _Ends = (None, None)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from safeloc.errors import InputError
+from safeloc.errors import InputError, SnapshotError
 from safeloc.railway.trackside import area_fleet, seen
 from safeloc.railway.trackside.area_fleet import VehicleReports
 from safeloc.railway.trackside.trains import Trains
@@ -44,12 +44,13 @@ def driven(
 @pytest.mark.parametrize("upwards", [True, False], ids=["upwards", "downwards"])
 def test_reports_that_come_as_they_should(tmp_path: Path, upwards: bool) -> None:
     """Trains get slots, sections ahead and behind are clear, and none of them over a vehicle."""
-    drives = [driven(tmp_path, seed, upwards=upwards, troubles=(), kills=False) for seed in range(6)]
+    drives = [driven(tmp_path, seed, upwards=upwards, troubles=(), kills=False) for seed in range(4)]
     assert [] == [one for drive in drives for one in drive.wrong]
     assert min(drive.admitted for drive in drives) > 0
     assert sum(drive.clear_told for drive in drives) > CYCLES
 
 
+@pytest.mark.thorough(ordinary=6)
 @pytest.mark.parametrize("upwards", [True, False], ids=["upwards", "downwards"])
 @pytest.mark.parametrize("trouble", TROUBLES)
 def test_reports_in_trouble(tmp_path: Path, trouble: str, upwards: bool) -> None:
@@ -204,6 +205,18 @@ def test_silence_of_detection_withdraws_all(tmp_path: Path) -> None:
     assert process.fleet.withdraw("west", "again") == []
     assert clear(process.detect(10_003, **OCCUPIED)[-1]) == [5, 6]  # by detection inside the area alone
     assert clear(process.detect(10_004, **EMPTY)[-1]) == [1, 2, 3, 4, 5, 6]
+
+
+@pytest.mark.parametrize("flaw", [{"slots": {"x": "a"}}, {"slots": {"1": 2}}, {"last": {"a": -1}}, {"more": 1}])
+def test_a_snapshot_with_wrong_trains(tmp_path: Path, flaw: Data) -> None:
+    """It is refused as any other wrong field."""
+    process = came_in(tmp_path)
+    process.save()
+    assert process._saved is not None
+    saved = json.loads(json.dumps(process._saved[1]))
+    saved["west"]["trains"] |= flaw
+    with pytest.raises(SnapshotError, match="vehicle west: a field of the snapshot is wrong"):
+        Process(wired(tmp_path)).fleet.restore(saved)
 
 
 def test_a_clock_that_was_set(tmp_path: Path) -> None:

@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from safeloc.models.area import AreaConfig
 from safeloc.models.sections import SectionsConfig
 from safeloc.railway.trackside.area_fleet import AreaFleet, VehicleReports
@@ -137,6 +139,7 @@ def owned(worker: Worker) -> bool:
     return sorted(worker.running) == [0, 1, 2, 3]
 
 
+@pytest.mark.thorough
 def test_an_area_that_moves_under_two_trains(tmp_path: Path) -> None:
     """The area's process is killed with both trains coming in, and that of the vehicles after it; others go on."""
     (tmp_path / "cars").mkdir()
