@@ -48,6 +48,21 @@ def _records(cycle: int, time_ms: int) -> Iterator[str]:
     yield f'"kind": "cycle", "time_ms": {time_ms}}}'
 
 
+def odometry_steps(vehicle: str, period_ms: int) -> Iterator[bytes]:
+    """The same drive as inputs of whole steps: one line a cycle."""
+    del period_ms  # steps have numbers, not times
+    cycle = 0
+    while True:
+        cycle += 1
+        inputs: dict[str, object] = {f"{end}_{unit}_mm": STEP_MM for end, unit in UNITS}
+        if cycle % MARKER_EVERY == 1:
+            inputs |= {
+                "front_marker": 1 + cycle // MARKER_EVERY, "front_marker_position_mm": cycle * STEP_MM,
+                "front_marker_accuracy_mm": 500, "front_marker_since_mm": 0,
+            }  # fmt: skip
+        yield json.dumps({"vehicle": vehicle, "cycle": cycle, **inputs}).encode() + b"\n"
+
+
 def localizer_lines(vehicle: str, period_ms: int) -> Iterator[bytes]:
     """Inputs of whole steps: the shipped journeys, one after the other, over and over."""
     del period_ms  # steps have numbers, not times
@@ -73,6 +88,7 @@ def _odometry_config(period_ms: int) -> str:
 
 TRAFFIC = {
     "odometry": Traffic("odometry", _odometry_config, (), odometry_lines),
+    "odometry_steps": Traffic("odometry", _odometry_config, ("--inputs",), odometry_steps),
     "localizer": Traffic("localizer", lambda _: "", ("--inputs",), localizer_lines),
 }
 """Of machines that can be driven. The localizer's steps are sent as often as asked for, whatever their length."""

@@ -110,6 +110,7 @@ KNOWS = {
         "language", "codegen", "proof", "models", "railway.map", "railway.audit", "config",
     ),
     "railway.telegrams": ("language",),
+    "railway.trackside": ("runtime", "models", "railway.map", "config"),
     "railway.guard": ("language", "codegen", "runtime", "models", "railway.map", "railway.audit", "simulation"),
     "sensing": ("language", "runtime", "railway.map", "config"),
     "simulation": ("language", "runtime", "sensing", "config"),

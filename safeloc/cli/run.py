@@ -15,11 +15,15 @@ from safeloc.catalogue import load_target
 from safeloc.cli.files import same_file
 from safeloc.errors import InputError, SnapshotError
 from safeloc.language.nodes import Value
+from safeloc.models.sections import SectionsConfig
+from safeloc.railway.trackside.area_fleet import AreaFleet, VehicleReports
+from safeloc.railway.trackside.wiring import Wiring, load_wiring
 from safeloc.runtime.embedding import Program
 from safeloc.runtime.embedding.arguments import period_of
 from safeloc.runtime.service.address import address
 from safeloc.runtime.service.broker.division import Division
-from safeloc.runtime.service.broker.settings import is_broker, read_broker
+from safeloc.runtime.service.broker.settings import Broker, is_broker, read_broker
+from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
 from safeloc.runtime.service.feeds import Feed, GrowingFile, Stdin
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
@@ -79,6 +83,10 @@ def run(
         Path | None,
         typer.Option("--broker", help="TOML with partitions, lease_ms, user, password_file, authority_file, ..."),
     ] = None,
+    trackside: Annotated[
+        Path | None,
+        typer.Option("--trackside", help="TOML with areas of `sections`, fed by the vehicles' reports on the broker"),
+    ] = None,
     watchdog_ms: Annotated[
         int | None,
         typer.Option("--watchdog-ms", help="end a cycle that is overdue by this much wall-clock time", min=1),
@@ -127,6 +135,8 @@ def run(
     _require_apart(source, sink, snapshot, alive)
     program = Program(load_target(target, config))
     period = period_of(program, period_ms)
+    wiring = None if trackside is None else _wiring(trackside, program, source, first, vehicles)
+    broker = _broker(source, broker_file, wiring)
     most = of_a_peer if source.startswith(("tcp:", "udp:", "proxy:")) else None
     settings = FleetSettings(
         period, inputs, source.startswith("udp:") or is_broker(source), gap_ms, most_of_a_peer=most,
@@ -147,21 +157,22 @@ def run(
 
     def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None) -> Parts:
         watchdog = None if longest_s is None else Watchdog(*longest_s)
-        fleet = Fleet(program, settings, programs)
+        if wiring is None or broker is None or broker.codes is None:
+            fleet = Fleet(program, settings, programs)
+        else:
+            fleet = AreaFleet(program, settings, wiring, broker.codes, Topics(broker.prefix, broker.partitions))
         return Parts(feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog, tracer)
 
     supervised = Supervised(alive)
-    if is_broker(source):
-        _require_usable(sink, snapshot, broker_file, fresh=fresh, to_its_end=to_its_end)
+    if broker is not None:
+        _require_usable(sink, snapshot, fresh=fresh, to_its_end=to_its_end)
         assert snapshot is not None
-        broker = read_broker(source, broker_file)
         work: Work = Division(
-            broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal
-        )
+            broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal,
+            None if wiring is None else VehicleReports(wiring, broker.partitions),
+        )  # fmt: skip
         Loop(work, selector, journal, supervised, metrics).run()
     else:
-        if broker_file is not None:
-            raise typer.BadParameter("--broker is for --from mqtt://... or mqtts://...")
         feed = _feed(source, journal, to_its_end=to_its_end)
         parts = parts_of(feed, _outlet(sink, feed, selector), None)
         with claimed(snapshot):
@@ -170,9 +181,38 @@ def run(
     raise typer.Exit(exit_code(work))
 
 
-def _require_usable(
-    sink: str | None, snapshot: Path | None, broker_file: Path | None, *, fresh: bool, to_its_end: bool
-) -> None:
+def _wiring(path: Path, program: Program, source: str, first: list[str] | None, vehicles: list[str] | None) -> Wiring:
+    """Read the areas; refuse what does not go with them."""
+    if not is_broker(source):
+        raise typer.BadParameter(
+            "--trackside is for --from mqtts://HOST/PREFIX: reports of vehicles come over a broker."
+        )
+    if first or vehicles:
+        raise typer.BadParameter("--first and --vehicle are not for areas: the file of --trackside says what each has.")
+    config = program.target.config
+    if program.name != "sections" or not isinstance(config, SectionsConfig):
+        raise typer.BadParameter(f"--trackside is for the machine sections, not for {program.name}.")
+    return load_wiring(path, config)
+
+
+def _broker(source: str, path: Path | None, wiring: Wiring | None) -> Broker | None:
+    """Return the broker of `--from`; None if it names none."""
+    if not is_broker(source):
+        if path is not None:
+            raise typer.BadParameter("--broker is for --from mqtt://... or mqtts://...")
+        return None
+    if path is not None and not path.is_file():
+        raise InputError(f"{path}: no such file.")
+    broker = read_broker(source, path)
+    if wiring is not None and broker.codes is None:
+        raise typer.BadParameter(
+            "--trackside needs code_key_file in the file of --broker, the same as the fleet's: only a code shows that a report "
+            "is unchanged."
+        )
+    return broker
+
+
+def _require_usable(sink: str | None, snapshot: Path | None, *, fresh: bool, to_its_end: bool) -> None:
     """Refuse options that mean nothing with a broker."""
     if sink not in (None, _BACK):
         raise typer.BadParameter(f"--to {sink!r}: with a broker, reports go back to it.")
@@ -186,8 +226,6 @@ def _require_usable(
         raise typer.BadParameter("--fresh is not for a broker: stop all processes and give them a new folder.")
     if to_its_end:
         raise typer.BadParameter("--until-end is for --from file:PATH.")
-    if broker_file is not None and not broker_file.is_file():
-        raise InputError(f"{broker_file}: no such file.")
 
 
 def _require_apart(source: str, sink: str | None, snapshot: Path | None, alive: Path | None) -> None:

@@ -25,11 +25,12 @@ def told(program: Program, machine: str, period_ms: int, cycles: int) -> list[di
     return [one for text in sent for line in cutter.feed(text) for one in fleet.handle("peer", line, from_start=True)]
 
 
-def test_odometry_vehicles() -> None:
-    """The first marker locates them, and so they stay, over the next one."""
+@pytest.mark.parametrize("traffic", ["odometry", "odometry_steps"])
+def test_odometry_vehicles(traffic: str) -> None:
+    """The first marker locates them, and so they stay, over the next one; as records, and as inputs of steps."""
     period_ms = 10
     config = OdometryConfig.model_validate(tomllib.loads(TRAFFIC["odometry"].config(period_ms)))
-    answers = told(Program(ENTRIES["odometry"].make(config)), "odometry", period_ms, MARKER_EVERY + 5)
+    answers = told(Program(ENTRIES["odometry"].make(config)), traffic, period_ms, MARKER_EVERY + 5)
     assert [one["cycle"] for one in answers] == [*range(1, MARKER_EVERY + 6)]
     assert all("rejections" not in one and one["interval_mm"] is not None for one in answers)
     assert answers[MARKER_EVERY]["outputs"]["reference_accepted"]

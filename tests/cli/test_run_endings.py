@@ -86,6 +86,43 @@ def test_options_that_mean_nothing_with_a_broker(
     assert [path.name for path in tmp_path.iterdir()] == ["one"]
 
 
+AREAS = """fleet = "fleet"
+clock_error_ms = 5
+[vehicles.12]
+length_mm = 100_000
+faces_upwards = true
+[areas.west]
+low_end_mm = 0
+high_end_mm = 900_000
+sections_mm = [[0, 900_000]]
+"""
+
+
+@pytest.mark.parametrize(
+    ("machine", "arguments", "told"),
+    [
+        ("sections", ("--trackside", "areas.toml"), "--trackside is for --from mqtts://HOST/PREFIX"),
+        ("sections", (*FROM, "--trackside", "areas.toml"), "--trackside needs code_key_file in the file of --broker"),
+        ("sections", (*FROM, "--trackside", "flawed.toml"), "flawed.toml:9: areas.west.sections_mm.0: [0, 900001]"),
+        ("sections", (*FROM, "--trackside", "areas.toml", "--first", "a=1"), "--first and --vehicle are not for areas"),
+        ("odometry", (*FROM, "--trackside", "areas.toml"), "--trackside is for the machine sections, not for odometry"),
+    ],
+)
+def test_areas_that_cannot_be_run(
+    tmp_path: Path, machine: str, arguments: tuple[str, ...], told: str, monkeypatch: pytest.MonkeyPatch, call: Call
+) -> None:
+    """Each is refused in words before anything is sent."""
+    monkeypatch.chdir(tmp_path)
+    Path("areas.toml").write_text(AREAS, encoding="utf-8")
+    Path("flawed.toml").write_text(AREAS.replace("[0, 900_000]", "[0, 900_001]"), encoding="utf-8")
+    Path("config.toml").write_text('[area]\nborders = "occupancy"\n', encoding="utf-8")
+    given = ("--config", "config.toml") if machine == "sections" else ("--period-ms", "100")
+    done = call("run", machine, *given, *arguments)
+    assert done.code == 2
+    assert told in " ".join(done.err.replace("│", " ").split())
+    assert "Traceback" not in done.err
+
+
 def test_a_standard_output_that_is_full(tmp_path: Path) -> None:
     """As of a disk: exit code 2."""
     with Path("/dev/full").open("wb") as full, running(tmp_path, stdin=subprocess.PIPE, stdout=full) as run:

@@ -46,9 +46,6 @@ def snapshot(program: Program, setting: Setting, content: Content) -> bytes:
     """Return a snapshot with this content, as bytes."""
     return sealed(
         {
-            "machine": program.name,
-            "config": program.config,
-            "program": program.fingerprint,
             "setting": _setting_data(setting),
             "start_ms": content.start_ms,
             "done": content.done,
@@ -56,7 +53,8 @@ def snapshot(program: Program, setting: Setting, content: Content) -> bytes:
             "state": dict(zip(program.code.state_names, content.state, strict=True)),
             "halted": content.halted,
             **({"observed": dict(content.observed)} if content.observed else {}),
-        }
+        },
+        ready=program.identity,
     )
 
 

@@ -22,6 +22,7 @@ from safeloc.runtime.border import Fault
 from safeloc.runtime.breaches import Breach
 from safeloc.runtime.embedding.laws import ObservableLaws
 from safeloc.runtime.embedding.report import Interval, Move, Report, Track
+from safeloc.runtime.embedding.snapshot import text_of
 from safeloc.runtime.embedding.target_inputs import TargetInputs
 from safeloc.target import Target
 
@@ -76,6 +77,12 @@ class Program(TargetInputs):
     def config(self) -> Mapping[str, Any]:
         """The configuration as plain data; empty for a machine without one."""
         return {} if self.target.config is None else self.target.config.model_dump(mode="json")
+
+    @cached_property
+    def identity(self) -> Mapping[str, str]:
+        """The fields of a snapshot that tell this program from others, as text."""
+        fields = {"machine": self.name, "config": self.config, "program": self.fingerprint}
+        return {name: text_of(value) for name, value in fields.items()}
 
     def moves(self, fired: Sequence[int], before: Row, after: Row) -> tuple[Move, ...]:
         """Return the transitions that fired."""

@@ -17,10 +17,17 @@ KIND, VERSION = "safeloc-controller", 1
 _NOT_FIT = "it cannot be used here"
 
 
-def sealed(body: Mapping[str, Any], kind: str = KIND, version: int = VERSION) -> bytes:
-    """Return the content with its kind, version and checksum, as one line of JSON."""
-    content = {"kind": kind, "version": version, **body}
-    return _text({**content, "checksum": _checksum(content)})
+def sealed(
+    body: Mapping[str, Any], kind: str = KIND, version: int = VERSION, *, ready: Mapping[str, str] | None = None
+) -> bytes:
+    """Return the content with its kind, version and checksum, as one line of JSON.
+
+    ready  further fields whose text (`text_of`) was made before, since it is the same in every snapshot
+    """
+    fields = {name: text_of(value) for name, value in {"kind": kind, "version": version, **body}.items()}
+    fields.update(ready or {})
+    checksum = hashlib.sha256(_joined(fields).encode()).hexdigest()
+    return _joined({**fields, "checksum": text_of(checksum)}).encode()
 
 
 def opened(data: bytes, kind: str = KIND, version: int = VERSION) -> dict[str, Any]:
@@ -59,9 +66,18 @@ def _differing(expected: object, found: object) -> str:
     return "; ".join(shown) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
-def _text(content: Mapping[str, Any]) -> bytes:
-    return json.dumps(content, sort_keys=True, separators=(",", ":")).encode()
+_ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"))
+
+
+def text_of(value: object) -> str:
+    """Return a value as it stands in a snapshot."""
+    return _ENCODER.encode(value)
+
+
+def _joined(fields: Mapping[str, str]) -> str:
+    """Return the object with these fields, as `text_of` would."""
+    return "{" + ",".join([f"{text_of(name)}:{fields[name]}" for name in sorted(fields)]) + "}"
 
 
 def _checksum(content: Mapping[str, Any]) -> str:
-    return hashlib.sha256(_text(content)).hexdigest()
+    return hashlib.sha256(text_of(content).encode()).hexdigest()

@@ -23,6 +23,7 @@ class StepsVehicle(Vehicle):
     known, and steps are not used until the stream contains them again.
     """
 
+    _fields: type[SavedSteps] = SavedSteps
     _numbered = False
     _bare = 0
     _kept: tuple[str, ...] = ()
@@ -125,7 +126,7 @@ class StepsVehicle(Vehicle):
         return {"numbered": self._numbered, "bare": self._bare, "kept": list(self._kept), "before": dict(self._before)}
 
     def _checked(self, content: Mapping[str, Any]) -> SavedVehicle:
-        kept = checked_fields(SavedSteps, content)
+        kept = checked_fields(self._fields, content)
         self._numbered, self._bare = kept.numbered, kept.bare
         self.begin_stream(kept.kept)
         self._before = kept.before

@@ -49,7 +49,14 @@ class Over:
     """The end of all input."""
 
 
-Event = Arrived | Left | Over
+class Told(NamedTuple):
+    """A message of somebody else, beside the lines: what a station's vehicles may want to know of `about`."""
+
+    about: str
+    payload: bytes
+
+
+Event = Arrived | Left | Over | Told
 
 
 class Feed(ABC):

@@ -26,7 +26,7 @@ from safeloc.runtime.service.messages import (
     Step,
     shortened,
 )
-from safeloc.runtime.service.vehicle import Output, Vehicle
+from safeloc.runtime.service.vehicle import MakeController, Output, Vehicle
 
 _MOST_VEHICLES = 1_000
 
@@ -196,6 +196,11 @@ class Fleet:
         for name in self._of(origin):
             self.vehicles[name].be_unsure(why)
 
+    def told(self, about: str, payload: bytes) -> list[Output]:
+        """Handle a message beside the lines; a fleet whose vehicles listen to nobody uses none."""
+        del about, payload
+        return []
+
     def silence(self, name: str, why: str) -> list[Output]:
         """End the overdue cycle of a vehicle."""
         vehicle = self.vehicles[name]
@@ -253,10 +258,18 @@ class Fleet:
                 vehicle.be_unsure(unsure)
 
     def _made(self, name: str, from_start: bool) -> Vehicle:
-        settings = self.settings
-        make = partial(_controller, self._own.get(name, self._program), settings)
-        kind = StepsVehicle if settings.inputs else RecordsVehicle
-        return kind(name, make, self._pace, from_start=from_start)
+        make = partial(_controller, self._own.get(name, self._program), self._settings_of(name))
+        return self._vehicle(name, make, self._pace, from_start=from_start)
+
+    def _settings_of(self, name: str) -> FleetSettings:
+        """Return the settings of a vehicle: those of all."""
+        del name
+        return self.settings
+
+    def _vehicle(self, name: str, make: MakeController, pace: Pace, *, from_start: bool) -> Vehicle:
+        """Return a new vehicle of the kind that its lines have."""
+        kind = StepsVehicle if self.settings.inputs else RecordsVehicle
+        return kind(name, make, pace, from_start=from_start)
 
     def _unassigned(self, origin: str, line: Line, refused: Refused) -> list[Output]:
         """Handle a line without a readable vehicle: every vehicle of this origin may have lost it.

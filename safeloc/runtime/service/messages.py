@@ -122,7 +122,7 @@ class Reader:
             return Refused(line.flaw)
         vehicle: str | None = None
         try:
-            fields = _object(line.text)
+            fields = json_object(line.text)
             vehicle = _vehicle(fields)
             number = _count(fields, "number")
             if self._numbered and number is None:
@@ -207,7 +207,7 @@ _DECODER = json.JSONDecoder(object_pairs_hook=_once)
 """Made once, since making it takes longer than reading a line."""
 
 
-def _object(text: bytes) -> dict[str, Any]:
+def json_object(text: bytes) -> dict[str, Any]:
     """Return the JSON object in a line; InputError for anything else, and for a name given twice."""
     try:
         found = _decoded(text.decode())

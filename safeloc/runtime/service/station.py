@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.runtime.embedding.snapshot import require_same
-from safeloc.runtime.service.feeds import Arrived, Event, Feed, Left, Over
+from safeloc.runtime.service.feeds import Arrived, Event, Feed, Left, Over, Told
 from safeloc.runtime.service.fleet import Fleet
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.outlets import Outlet
@@ -205,6 +205,8 @@ class Station(Work):
                     fleet.gone(origin, why)
                     if self._allowance is not None:
                         self._allowance.left(origin)
+                case Told(about, payload):
+                    self._tell(fleet.told(about, payload), "")
                 case Over():
                     self.over = True
             if time.monotonic() > self.stop_by:

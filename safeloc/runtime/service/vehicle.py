@@ -239,8 +239,12 @@ class Vehicle(ABC):
         if self.stopped:
             return
         start_ms = self.controller.next_end_ms - self._pace.period_ms if start_ms is None else start_ms
-        self._tell(self._guarded(lambda controller: controller.begin_anew(reason, start_ms)), {})
+        self._tell(self._restarted(reason, start_ms), {})
         self._doubt(reason)
+
+    def _restarted(self, reason: str, start_ms: int | None = None) -> Report | None:
+        """Restart the machine from its first state, at a time or with the open cycle; stop the vehicle if it cannot."""
+        return self._guarded(lambda controller: controller.begin_anew(reason, start_ms))
 
     def _renew(self, why: str) -> None:
         """Replace the machine by a new one, in the open cycle."""
@@ -249,7 +253,7 @@ class Vehicle(ABC):
         if self.controller is not None and not self.stopped:
             start_ms = self.controller.next_end_ms - self._pace.period_ms
             self.controller = self._make(start_ms)
-            self._tell(self._guarded(lambda controller: controller.begin_anew(why)), {})
+            self._tell(self._restarted(why), {})
 
     def _stop(self, why: str) -> None:
         self.stopped = shortened(why)

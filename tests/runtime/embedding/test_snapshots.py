@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 import sys
@@ -18,7 +19,7 @@ from safeloc.errors import InputError, SnapshotError
 from safeloc.language.system import lower
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.runtime.embedding import Controller, Program
-from safeloc.runtime.embedding.snapshot import sealed
+from safeloc.runtime.embedding.snapshot import opened, sealed, text_of
 from safeloc.runtime.streams.records import ValueRecord
 from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
@@ -188,3 +189,16 @@ def test_a_program_is_shared() -> None:
     """Its fingerprint is one of content: made twice, it is the same."""
     assert trusting().fingerprint == trusting().fingerprint
     assert Program(trusting().target).fingerprint == trusting().fingerprint != shipped("balise").fingerprint
+
+
+@given(st.dictionaries(st.text(max_size=8), st.recursive(st.none() | st.integers() | st.text(max_size=5), st.lists)))
+def test_a_snapshot_is_its_content_in_order(content: dict[str, Any]) -> None:
+    """One object with sorted names and its checksum, whether a field's text was made before or not."""
+    fields = {name: value for name, value in content.items() if name not in ("kind", "version", "checksum")}
+    plain = {"kind": "k", "version": 1, **fields}
+    body = json.dumps(plain, sort_keys=True, separators=(",", ":"))
+    whole = {**plain, "checksum": hashlib.sha256(body.encode()).hexdigest()}
+    text = json.dumps(whole, sort_keys=True, separators=(",", ":")).encode()
+    assert sealed(fields, "k") == text
+    assert sealed({}, "k", ready={name: text_of(value) for name, value in fields.items()}) == text
+    assert opened(text, "k") == plain

@@ -17,6 +17,7 @@ from pathlib import Path
 from safeloc.runtime.service.broker.connection import Connection
 from safeloc.runtime.service.broker.epochs import require_layout
 from safeloc.runtime.service.broker.leases import RENEW_SHARE, Leases, read_owner
+from safeloc.runtime.service.broker.port import Beside
 from safeloc.runtime.service.broker.settings import Broker
 from safeloc.runtime.service.broker.tenure import Left, MakeStation, Tenure
 from safeloc.runtime.service.broker.topics import Topics
@@ -40,11 +41,15 @@ _AFTER_LOSS = 0.5
 class Division(Work):
     """The partitions of this process."""
 
-    def __init__(self, broker: Broker, folder: Path, machine: str, make: MakeStation, journal: Journal) -> None:
+    def __init__(
+        self, broker: Broker, folder: Path, machine: str, make: MakeStation, journal: Journal,
+        beside: Beside | None = None,
+    ) -> None:  # fmt: skip
         require_layout(folder, broker.partitions)
         self.tenures: dict[int, Tenure] = {}
         self.name = secrets.token_hex(8)
         self._broker, self._folder, self._machine, self._make, self._journal = broker, folder, machine, make, journal
+        self._beside = beside
         self._topics = Topics(broker.prefix, broker.partitions)
         self._leases = Leases(self.name, broker.partitions, broker.lease_s)
         self._control = self._new_control()
@@ -186,7 +191,7 @@ class Division(Work):
     def _take(self, partition: int) -> None:
         tenure = Tenure(
             self._broker, self._topics, self.name, partition, self._folder, self._make, self._journal,
-            self._left.pop(partition, None),
+            self._left.pop(partition, None), self._beside,
         )  # fmt: skip
         self.tenures[partition] = tenure
         tenure.open(self._selector)

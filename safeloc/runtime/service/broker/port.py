@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import selectors
 import time
+from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from safeloc.runtime.service.broker.codes import Codes
 from safeloc.runtime.service.broker.connection import Came, Connection
 from safeloc.runtime.service.broker.recent import Recent
 from safeloc.runtime.service.broker.topics import Topics
-from safeloc.runtime.service.feeds import Arrived, Event, Feed
+from safeloc.runtime.service.feeds import Arrived, Event, Feed, Told
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.lines import LONGEST_LINE, Line
 from safeloc.runtime.service.outlets import FULL, Outlet
@@ -28,13 +30,29 @@ TURN_S = 0.005
 """Most seconds of a turn of one partition, up to the end of a message."""
 
 
+class Beside(ABC):
+    """Messages that a partition hears beside the records of its vehicles: not acknowledged, and of any age."""
+
+    @abstractmethod
+    def topics(self, partition: int) -> Iterable[str]:
+        """Return the topics to subscribe to."""
+
+    @abstractmethod
+    def about(self, topic: str) -> str | None:
+        """Return whom a message of this topic is about; None if it is none of these topics."""
+
+
 class PartitionPort(Feed, Outlet):
     """The connection of a partition as a source of lines and a destination of reports. An origin is a vehicle.
 
     running   lines are handled: the vehicles are restored
     """
 
-    def __init__(self, connection: Connection, topics: Topics, partition: int, journal: Journal) -> None:
+    def __init__(
+        self, connection: Connection, topics: Topics, partition: int, journal: Journal, codes: Codes | None = None,
+        beside: Beside | None = None,
+    ) -> None:  # fmt: skip
+        self._codes, self._beside = codes, beside
         self.running = False
         self._connection, self._topics, self._partition, self._journal = connection, topics, partition, journal
         self._recent = Recent()
@@ -93,6 +111,10 @@ class PartitionPort(Feed, Outlet):
         self._kept = max(self._kept, mark)
 
     def _of_one(self, came: Came) -> Iterator[Event]:
+        about = None if self._beside is None else self._beside.about(came.topic)
+        if about is not None:
+            yield Told(about, came.payload)
+            return
         vehicle = self._topics.vehicle(came.topic, self._partition)
         if vehicle is None or came.retained:
             why = "a retained record is of any age" if vehicle else "no vehicle of this partition"
@@ -142,7 +164,10 @@ class PartitionPort(Feed, Outlet):
             vehicle, data, event = self._waiting.popleft()
             self._bytes -= len(data)
             topic = (self._topics.event if event else self._topics.report)(self._partition, vehicle)
-            self._connection.publish(topic, data[:-1], retained=not event)
+            text = data[:-1]
+            if self._codes is not None and not event:
+                text = self._codes.added(topic, text)
+            self._connection.publish(topic, text, retained=not event)
 
     @property
     def full(self) -> bool:

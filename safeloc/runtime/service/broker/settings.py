@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from safeloc.errors import InputError
 from safeloc.runtime.outside import quoted
+from safeloc.runtime.service.broker.codes import Codes
 from safeloc.runtime.service.broker.topics import PREFIX
 
 _PASSWORD = "SAFELOC_BROKER_PASSWORD"
@@ -35,6 +36,7 @@ class BrokerFile(BaseModel):
     authority_file    certificates that may vouch for the broker; without it, those of the system
     certificate_file  own certificate, if the broker asks for one
     key_file          its key
+    code_key_file     file with the secret key, of at least 32 bytes, of the code that each report gets
     """
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
@@ -46,6 +48,7 @@ class BrokerFile(BaseModel):
     authority_file: str | None = None
     certificate_file: str | None = None
     key_file: str | None = None
+    code_key_file: str | None = None
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,7 @@ class Broker:
     user: str | None = None
     password: str | None = field(default=None, repr=False)
     tls: ssl.SSLContext | None = None
+    codes: Codes | None = field(default=None, repr=False)
 
 
 def is_broker(source: str) -> bool:
@@ -92,7 +96,9 @@ def read_broker(url: str, path: Path | None, environment: Mapping[str, str] = os
     folder = Path() if path is None else path.parent
     tls = _tls(file, folder) if scheme == "mqtts" else None
     password = _password(file, folder, environment)
-    return Broker(host, port, found[3], file.partitions, file.lease_ms / 1_000, file.user, password, tls)
+    return Broker(
+        host, port, found[3], file.partitions, file.lease_ms / 1_000, file.user, password, tls, _codes(file, folder)
+    )
 
 
 def _is_here(host: str) -> bool:
@@ -123,6 +129,16 @@ def _password(file: BrokerFile, folder: Path, environment: Mapping[str, str]) ->
     return found or None
 
 
+def _codes(file: BrokerFile, folder: Path) -> Codes | None:
+    if file.code_key_file is None:
+        return None
+    path = folder / file.code_key_file
+    try:
+        return Codes(_bytes(path))
+    except ValueError as error:
+        raise InputError(f"{path}: {error}.") from error
+
+
 def _tls(file: BrokerFile, folder: Path) -> ssl.SSLContext:
     """Return TLS 1.3 that knows the broker by its name; InputError for a file that cannot be used."""
     own = (file.certificate_file, file.key_file)
@@ -146,12 +162,17 @@ def _refused() -> str:
 
 def _text(path: Path) -> str:
     try:
-        with path.open("rb") as file:
-            data = file.read(_MOST_BYTES + 1)
-        if len(data) > _MOST_BYTES:
-            raise InputError(f"{path}: longer than {_MOST_BYTES} bytes.")
-        return data.decode()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}.") from error
+        return _bytes(path).decode()
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not UTF-8.") from error
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            data = file.read(_MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}.") from error
+    if len(data) > _MOST_BYTES:
+        raise InputError(f"{path}: longer than {_MOST_BYTES} bytes.")
+    return data

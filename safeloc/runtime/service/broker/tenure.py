@@ -17,7 +17,7 @@ from safeloc.errors import SafelocError
 from safeloc.runtime.service.broker.connection import Connection
 from safeloc.runtime.service.broker.epochs import Epochs
 from safeloc.runtime.service.broker.leases import RENEW_SHARE, STOP_SHARE, lease_text
-from safeloc.runtime.service.broker.port import PartitionPort
+from safeloc.runtime.service.broker.port import Beside, PartitionPort
 from safeloc.runtime.service.broker.settings import Broker
 from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.journal import Journal
@@ -44,7 +44,7 @@ class Tenure:
 
     def __init__(
         self, broker: Broker, topics: Topics, me: str, partition: int, folder: Path, make: MakeStation, journal: Journal,
-        left: Left | None = None,
+        left: Left | None = None, beside: Beside | None = None,
     ) -> None:  # fmt: skip
         self.lost = ""
         self.left = left
@@ -55,7 +55,8 @@ class Tenure:
         self._epochs, self._epoch = Epochs(folder, partition), 0
         will = (topics.lease(partition), lease_text("", 0))
         self._connection = Connection(broker, topics.session(partition), will, lasting=True)
-        self._port = PartitionPort(self._connection, topics, partition, journal)
+        self._beside = beside
+        self._port = PartitionPort(self._connection, topics, partition, journal, broker.codes, beside)
         self._renewal: Any = None
         self._sent_at = self._valid_from = time.monotonic()
         self._saved = False
@@ -131,6 +132,8 @@ class Tenure:
         """Claim an epoch, then ask the broker whether the session is still one's own."""
         self._epoch = self._epochs.claim()
         self._connection.subscribe(self._topics.records(self.partition))
+        for topic in () if self._beside is None else self._beside.topics(self.partition):
+            self._connection.subscribe(topic)
         self._renew()
 
     def _renew(self) -> None:

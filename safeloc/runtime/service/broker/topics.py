@@ -35,6 +35,10 @@ class Topics:
         """Return the filter for the records of all vehicles of a partition."""
         return f"{self.prefix}/records/{partition}/+"
 
+    def record(self, vehicle: str) -> str:
+        """Return the topic of a vehicle's records."""
+        return f"{self.prefix}/records/{partition_of(vehicle, self.partitions)}/{vehicle}"
+
     def report(self, partition: int, vehicle: str) -> str:
         """Return the topic of a vehicle's reports."""
         return f"{self.prefix}/reports/{partition}/{vehicle}"

@@ -95,8 +95,8 @@ def broker(folder: Path, settings: str = PLAIN) -> Iterator[Broker]:
 class Gateway:
     """A client that sends for vehicles and hears everything that is said to them."""
 
-    def __init__(self, port: int, partitions: int = 4, name: str = "gateway") -> None:
-        self.topics = Topics(PREFIX, partitions)
+    def __init__(self, port: int, partitions: int = 4, name: str = "gateway", prefix: str = PREFIX) -> None:
+        self.topics = Topics(prefix, partitions)
         self.reports: list[Data] = []
         self.events: list[Data] = []
         self.leases: list[tuple[int, str]] = []
@@ -113,10 +113,10 @@ class Gateway:
         assert self._subscribed.wait(PATIENCE_S)
 
     def _subscribe(self) -> None:
-        self.client.subscribe([(f"{PREFIX}/{kind}/#", 1) for kind in ("reports", "events", "leases")])
+        self.client.subscribe([(f"{self.topics.prefix}/{kind}/#", 1) for kind in ("reports", "events", "leases")])
 
     def _came(self, _client: Any, _data: Any, message: mqtt.MQTTMessage) -> None:
-        kind = message.topic.split("/")[1]
+        kind = message.topic.removeprefix(f"{self.topics.prefix}/").partition("/")[0]
         if kind == "leases":
             owner = read_owner(message.payload)
             if owner is not None:
@@ -127,7 +127,7 @@ class Gateway:
     def send(self, vehicle: str, payload: bytes, *, retained: bool = False) -> mqtt.MQTTMessageInfo:
         """A message of a vehicle."""
         partition = partition_of(vehicle, self.topics.partitions)
-        return self.say(f"{PREFIX}/records/{partition}/{vehicle}", payload, retained=retained)
+        return self.say(f"{self.topics.prefix}/records/{partition}/{vehicle}", payload, retained=retained)
 
     def say(self, topic: str, payload: bytes, *, retained: bool = False) -> mqtt.MQTTMessageInfo:
         """Any message."""

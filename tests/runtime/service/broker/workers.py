@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from safeloc.runtime.service.broker.division import Division
 from safeloc.runtime.service.broker.port import PartitionPort
-from safeloc.runtime.service.broker.settings import read_broker
+from safeloc.runtime.service.broker.settings import Broker, read_broker
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.lines import Line
@@ -46,7 +46,7 @@ class Worker:
         self.stations: list[Station] = []
         self._save_every_s = save_every_s
         broker = read_broker(there.url, broker_file(folder, **settings), {})
-        self.division = Division(broker, folder / "kept", "odometry", self._station, self.journal)
+        self.division = self._divided(broker, folder / "kept")
         self.selector = selectors.PollSelector()
         self.division.open(self.selector)
 
@@ -55,8 +55,14 @@ class Worker:
         """What it calls itself."""
         return self.division.name
 
+    def _divided(self, broker: Broker, folder: Path) -> Division:
+        return Division(broker, folder, "odometry", self._station, self.journal)
+
+    def _fleet(self) -> Fleet:
+        return Fleet(trusting(), SETTINGS)
+
     def _station(self, port: PartitionPort, path: Path) -> Station:
-        fleet = Fleet(trusting(), SETTINGS)
+        fleet = self._fleet()
         self.stations.append(Station(Parts(port, port, fleet, self.journal, Saver(path), self._save_every_s)))
         return self.stations[-1]
 
