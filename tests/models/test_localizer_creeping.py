@@ -1,0 +1,36 @@
+"""A vehicle that creeps with sensors that keep their laws keeps every law of its world."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from safeloc.campaign.judged import judge_of
+from safeloc.language.units import NM_PER_MM
+from safeloc.models.balise.groups import Group
+from safeloc.models.localizer import LocalizerConfig
+from safeloc.models.localizer.simulation.journey import Journey, Vehicles
+from safeloc.models.localizer.simulation.simulate import first_but_speed
+from safeloc.models.localizer.simulation.sources import Fleet
+from safeloc.models.localizer.target import target
+from safeloc.simulation.many_runs import ManyRuns
+from safeloc.simulation.motion import Leg
+from safeloc.simulation.vehicle_seed import VehicleSeed
+
+CONFIG = LocalizerConfig(sources=("balise",))
+CREEPING = Journey(legs=[Leg(400, 90)], groups=[Group(number, number * 600) for number in range(1, 70)])
+"""0.4 m/s, where a radar may measure nothing: groups so close that many are read."""
+
+
+def test_a_checked_distance_may_point_the_other_way_where_a_vehicle_creeps() -> None:
+    """A radar within its law pulls the distance to 0 or less while the vehicle creeps on: every law holds, of a group's age too."""
+    shown = target(CONFIG)
+    vehicles = Vehicles(CONFIG, [CREEPING] * 6, [VehicleSeed(seed) for seed in range(6)])
+    inputs = Fleet(vehicles, shown.system, None).inputs()
+    judge = judge_of(shown, compiled=False)
+    found = judge.outcome(ManyRuns(inputs, first_but_speed(CONFIG, CREEPING)))
+    assert [] == [name for name, held in zip(judge.clauses, found.held, strict=True) if not held.all()]
+    read = inputs["balise.telegram_group.present"] & ~inputs["balise.telegram_since_mm.present"]
+    least_nm = CONFIG.balise.measuring_step_mm * NM_PER_MM
+    ran = read & (inputs["balise.true_since_nm"] > least_nm) & (inputs["balise.telegram_age_ms"] <= 100)
+    assert np.count_nonzero(ran) > 50
+    assert found.told.any() and not (found.told & (found.margin_nm < 0)).any()
