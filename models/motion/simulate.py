@@ -16,6 +16,7 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion, Motions
+from safeloc.simulation.physics.conditions import Conditions, Wheel
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
@@ -54,12 +55,17 @@ def measured_by_many(
     seeds: Sequence[VehicleSeed],
     faults: Sequence[Sequence[Fault]],
     libraries: Path | None,
+    met: Conditions | None = None,
 ) -> Measured:
     """Return the same of many vehicles, each with its motion, seed and faults: arrays [cycle, vehicle].
 
     libraries  folder for compiled machines; None: a temporary one
+    met        rail and wheels of the vehicles; None: the odometer errs as its law says
     """
     odometer = _measured(name, config.odometer, motions, seeds, faults)
+    if met is not None:
+        wheel = Wheel(name, name, config.odometer, config.physics, config.period_ms)
+        odometer = met.measured(wheel, odometer, faults)
     check = None if config.check is None else _measured("check", config.check, motions, seeds, [()] * len(seeds))
     return Measured(odometer, check, _reported(config, odometer, check, libraries))
 

@@ -14,7 +14,7 @@ from safeloc.models.balise.simulation.many import simulate_many as simulate_bali
 from safeloc.models.balise.simulation.passages import Antenna
 from safeloc.models.localizer.simulation.columns import Columns, arrays_of
 from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
-from safeloc.models.localizer.simulation.journey import Vehicles
+from safeloc.models.localizer.simulation.journey import WHEEL, Vehicles
 from safeloc.models.motion.simulate import Measured, measured_by_many
 from safeloc.models.odometry.many import simulate_shared
 from safeloc.models.odometry.variables import OdometryConfig
@@ -39,12 +39,13 @@ class Fleet:
         """Return all inputs: name -> array [cycle, vehicle]."""
         vehicles = self.vehicles
         measured = measured_by_many(
-            "wheel",
+            WHEEL,
             vehicles.config.motion,
             vehicles.motions,
             vehicles.seeds,
             vehicles.passed_on("motion"),
             self.libraries,
+            vehicles.met,
         )
         found = self._of(common(vehicles, measured)) | self._of(links(vehicles))
         for name in vehicles.config.arbitration.sources:
@@ -69,7 +70,7 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles, config = fleet.vehicles, fleet.vehicles.config.odometry
     made = simulate_shared(
         config, _odometry_system(config.model_dump_json()), vehicles.motions, vehicles.seeds, vehicles.passed_on("odometry"),
-        vehicles.first.markers, [measured.odometer, measured.check],
+        vehicles.first.markers, [measured.odometer, measured.check], vehicles.met, vehicles.maps,
     )  # fmt: skip
     return fleet.named("odometry", made)
 
@@ -77,8 +78,8 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
 def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles = fleet.vehicles
     antennas = [
-        Antenna(rng, 0, 0, 0.5, own)
-        for rng, own in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), strict=True)
+        Antenna(rng, 0, 0, 0.5, own, wrong)
+        for rng, own, wrong in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
     ]
     motions = [vehicles.motions.of(vehicle) for vehicle in range(len(antennas))]
     line = Line(vehicles.first.passed, vehicles.routes(), 5_000, fleet.libraries)
