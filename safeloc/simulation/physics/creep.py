@@ -15,7 +15,7 @@ import numpy as np
 from safeloc.simulation.physics.gauss_markov import Floats
 
 GRAVITY_MM_S2 = 9_810.0
-DRY = 0.33
+_DRY = 0.33
 """Adhesion of the dry rail, for which the creep at the limit is given."""
 _SETTLES_S = 0.3
 """Time in which a wheel comes to its creep [M]."""
@@ -33,7 +33,7 @@ def creep_of(wanted: Floats, adhesion: Floats, at_limit: Floats, sliding: Floats
     """
     size = np.abs(wanted)
     used = np.minimum(size / np.maximum(adhesion, 1e-6), 1.0)
-    holds = at_limit * np.minimum(adhesion / DRY, 1.0) * np.interp(used, _USED, _CREEP)
+    holds = at_limit * np.minimum(adhesion / _DRY, 1.0) * np.interp(used, _USED, _CREEP)
     goal = np.where(size > adhesion, np.maximum(sliding, holds), holds)
     goal = np.where(wanted < 0, -np.minimum(goal, 1.0), goal)
     gain = 1.0 - math.exp(-period_ms / 1_000 / _SETTLES_S)
