@@ -24,6 +24,7 @@ from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, ab
 from safeloc.simulation.motion import Motions
 from safeloc.simulation.physics import conditions
 from safeloc.simulation.physics.conditions import Conditions, Wheel
+from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander
 from safeloc.simulation.physics.map_errors import MapError
 from safeloc.simulation.reader_faults import with_faults
 from safeloc.simulation.sensors import (
@@ -152,6 +153,27 @@ def simulate_shared(
                 if one.cycle < cycles:
                     _write(inputs, reading_inputs(config, one, int(motion.position_nm[one.cycle])), one.cycle, run)
     return inputs
+
+
+def faulty_wheel(
+    config: OdometryConfig, met: Conditions, told: Mapping[str, tuple[NDArray[np.int64], NDArray[np.bool_]]]
+) -> NDArray[np.int64]:
+    """Return the unit of each vehicle that breaks its law, as the world numbers it: of several wheels the first that does; 0 for none.
+
+    told  of each wheel by its name: what it told in each cycle, mm, and whether it told anything, arrays [cycle, vehicle]
+    """
+    found = np.zeros(len(met.seeds), dtype=np.int64)
+    if not met.by_physics.any():
+        return found
+    laws, cycles = units_of(config), len(met.true_nm)
+    earliest = np.where(met.by_physics, cycles, 0)
+    for name, (told_mm, present) in told.items():
+        counts = can_be_run(told_mm, present, Physics.of(config, config.lone_limit_cycles + 1))
+        _, broken = lawful_wander(met.true_nm, told_mm, counts, laws[name], config.period_ms)
+        first = first_breach(broken)
+        found = np.where(first < earliest, 1 + list(laws).index(name), found)
+        earliest = np.minimum(earliest, first)
+    return found
 
 
 def _measured(name: str, law: ErrorLaw, true: NDArray[np.int64], period_ms: int, drawn: Drawn) -> Distances:

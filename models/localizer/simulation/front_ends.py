@@ -29,8 +29,8 @@ def common(vehicles: Vehicles, measured: Measured) -> Columns:
         if unit is not None:
             columns[name] = Column(unit.distance_mm, unit.present)
     if measured.check is not None:
-        wander = Column(measured.odometer.wander_nm)
-        columns |= {"odometer_next_wander_nm": wander, "motion.lawful_next_wander_nm": wander}
+        columns["odometer_next_wander_nm"] = Column(measured.reported.wander_nm)
+        columns["motion.lawful_next_wander_nm"] = Column(measured.lawful.wander_nm)
     return columns
 
 

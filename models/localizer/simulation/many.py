@@ -75,12 +75,16 @@ class LocalizerJourneys:
         for run, faults in enumerate(drawn.faults):
             KINDS.require(faults)
             alike.setdefault(frozenset(one.kind for one in faults if one.kind in OF_THE_ROUTE), []).append(run)
-        parts, first = [], dict[str, Array | Value](first_but_speed(self.config, journeys[0]))
+        parts, chosen = [], dict[str, Array]()
         speeds = np.zeros(drawn.vehicles, dtype=np.int64)
         for which in alike.values():
             vehicles = Vehicles(self.config, [journeys[run] for run in which], [drawn.seeds[run] for run in which])
-            parts.append((np.array(which), ManyRuns(Fleet(vehicles, self.system, self.libraries).inputs())))
+            runs = Fleet(vehicles, self.system, self.libraries).runs()
+            parts.append((np.array(which), ManyRuns(runs.inputs)))
             speeds[which] = speeds_um_s(vehicles.motions)[0]
+            for name, values in runs.first.items():
+                chosen.setdefault(name, np.zeros(drawn.vehicles, dtype=np.int64))[which] = values
+        first: dict[str, Array | Value] = {**first_but_speed(self.config, journeys[0]), **chosen}
         if "satellite" in self.config.arbitration.sources:
             first[FIRST_SPEED] = speeds
         return ManyRuns(joined(parts, drawn.vehicles).inputs, first)

@@ -62,6 +62,11 @@ class Conditions:
     true_nm: NDArray[np.int64]
     longest_mm: int
 
+    @property
+    def by_physics(self) -> NDArray[np.bool_]:
+        """Whether the wheels of a vehicle are simulated from their physics."""
+        return np.asarray(self.figures[rail.ADHESION] > 0)
+
     @cached_property
     def _rail(self) -> Rail:
         medians, spreads, lengths = (self.figures[name] for name in (rail.ADHESION, rail.SPREAD, rail.CORRELATION))
@@ -73,7 +78,7 @@ class Conditions:
 
         The wander is one that explains what was told, if the law allows any.
         """
-        which = self.figures[rail.ADHESION] > 0
+        which = self.by_physics
         if not which.any():
             return by_law
         made = PulseWheels(wheel.figures, wheel.stream, self.figures, self.seeds)

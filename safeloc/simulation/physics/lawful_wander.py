@@ -82,6 +82,11 @@ def lawful_wander(
     return found, broken
 
 
+def first_breach(broken: Flags) -> Whole:
+    """Return the first cycle of each vehicle in which a law is broken; the number of cycles where it never is."""
+    return np.where(broken.any(axis=0), broken.argmax(axis=0), len(broken))
+
+
 def _stretches(off: Whole, slack: Whole, half: int) -> tuple[Whole, Whole, Flags]:
     """Return the least and the greatest possible wander after each cycle, and where there is none."""
     low, high, broken = np.empty_like(off), np.empty_like(off), np.empty(off.shape, dtype=np.bool_)
