@@ -1,4 +1,4 @@
-"""A vehicle that creeps with sensors that keep their laws keeps every law of its world."""
+"""Vehicles whose sensors keep their laws keep every law of their world: one that creeps, and one whose wheel slides beside a good radar."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from safeloc.models.localizer.simulation.journey import Journey, Vehicles
 from safeloc.models.localizer.simulation.simulate import first_but_speed
 from safeloc.models.localizer.simulation.sources import Fleet
 from safeloc.models.localizer.target import target
+from safeloc.models.motion.world import CHECK_LAWFUL
 from safeloc.simulation.many_runs import ManyRuns
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.vehicle_seed import VehicleSeed
@@ -34,3 +35,24 @@ def test_a_checked_distance_may_point_the_other_way_where_a_vehicle_creeps() -> 
     ran = read & (inputs["balise.true_since_nm"] > least_nm) & (inputs["balise.telegram_age_ms"] <= 100)
     assert np.count_nonzero(ran) > 50
     assert found.told.any() and not (found.told & (found.margin_nm < 0)).any()
+
+
+def test_a_sliding_wheel_beside_a_good_radar_breaks_no_law() -> None:
+    """One unit keeps its law, nobody knows which: by hindsight the radar. The balises' laws of the checked distance hold as well."""
+    motion = CONFIG.motion.model_copy(update={"standing_believed": False})
+    config = LocalizerConfig(sources=("balise",), motion=motion)
+    journey = Journey(
+        legs=[Leg(0, 2), Leg(25_000, 38), Leg(0, 20)],
+        groups=[Group(number, number * 60_000) for number in range(1, 12)],
+        physics={"adhesion": 0.05, "adhesion_spread": 0.0},
+    )
+    shown = target(config)
+    vehicles = Vehicles(config, [journey] * 3, [VehicleSeed(seed) for seed in range(3)])
+    runs = Fleet(vehicles, shown.system, None).runs()
+    judge = judge_of(shown, compiled=False)
+    found = judge.outcome(ManyRuns(runs.inputs, {**first_but_speed(config, journey), **runs.first}))
+    assert [CHECK_LAWFUL.value] * 3 == runs.first["motion.lawful_unit"].tolist()
+    assert [] == [name for name, held in zip(judge.clauses, found.held, strict=True) if not held.all()]
+    off_mm = np.abs(np.cumsum(runs.inputs["motion.odometer_mm"], axis=0) - vehicles.motions.position_nm / NM_PER_MM)
+    assert (off_mm.max(axis=0) > 5_000).all()
+    assert not (found.told & (found.margin_nm < 0)).any()
