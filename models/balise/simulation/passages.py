@@ -116,7 +116,9 @@ def _spots(config: BaliseConfig, groups: Sequence[Group], national_mm: int, ante
         fault = kinds.get(group.identity, "")
         accuracy = national_mm if group.accuracy_mm is None else min(national_mm, group.accuracy_mm)
         error = antenna.rng.uniform(-own, own) * accuracy
-        error += 0.0 if antenna.map_ is None else float(antenna.map_.at(np.float64(group.place_mm)))
+        error += (
+            0.0 if antenna.map_ is None else float(antenna.map_.at(np.array([group.place_mm], dtype=np.float64))[0])
+        )
         detection = antenna.rng.uniform(-0.9, 0.9) * config.detection_mm
         shift = signs.get(fault, 0) * _displaced_mm(config, group, national_mm)
         spot = int((group.place_mm + shift + error) * NM_PER_MM)

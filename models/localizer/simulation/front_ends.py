@@ -65,7 +65,8 @@ def satellite(vehicles: Vehicles) -> Columns:
     spoofed = truth + np.cumsum(SPOOFED_MM * vehicles.acting("spoofing"), axis=0)
     speed = speeds_um_s(vehicles.motions)[1:]
     columns = signals(config, sky, drawn) | solution(config, sky, drawn, spoofed, speed)
-    return columns | _reflected(vehicles, sky, columns, spoofed) | {"position.next_speed_um_s": Column(speed)}
+    columns |= _reflected(vehicles, sky, columns, spoofed)
+    return columns | {"position.next_speed_um_s": Column(speed)}
 
 
 def _reflected(vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray[np.int64]) -> Columns:

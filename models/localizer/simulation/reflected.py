@@ -129,9 +129,11 @@ class Receivers:
     def _solution(self, solution: Solved, place_mm: Whole) -> dict[str, Column]:
         there = self.ready & (solution.missing == _NOTHING)
         fix = self._where(place_mm + solution.off_mm, "position.fix_mm")
+        before = self.columns["position.fix_mm"].present
+        assert before is not None
         missing = np.where(self.ready, solution.missing, self.columns["position.fix_missing"].values)
         return {
-            "position.fix_mm": Column(fix.values, np.where(self.which, there, self.columns["position.fix_mm"].present)),
+            "position.fix_mm": Column(fix.values, np.where(self.which, there, before)),
             "position.fix_missing": self._where(missing, "position.fix_missing"),
             "position.fix_dilution_permille": self._where(solution.dilution_permille, "position.fix_dilution_permille"),
         }

@@ -35,7 +35,7 @@ def creep_of(wanted: Floats, adhesion: Floats, at_limit: Floats, sliding: Floats
     used = np.minimum(size / np.maximum(adhesion, 1e-6), 1.0)
     holds = at_limit * np.minimum(adhesion / _DRY, 1.0) * np.interp(used, _USED, _CREEP)
     goal = np.where(size > adhesion, np.maximum(sliding, holds), holds)
-    goal = np.where(wanted < 0, -np.minimum(goal, 1.0), goal)
+    goal = np.asarray(np.where(wanted < 0, -np.minimum(goal, 1.0), goal), dtype=np.float64)
     gain = 1.0 - math.exp(-period_ms / 1_000 / _SETTLES_S)
     found, now = np.empty_like(goal), np.zeros(goal.shape[1])
     for cycle, one in enumerate(goal):

@@ -36,7 +36,7 @@ class MapError:
 
     def at(self, places_mm: Floats) -> Floats:
         """Return the common part of the error of places, mm: a place lies that far beyond where the map has it."""
-        return np.interp(places_mm, self.places_mm, self.errors_mm)
+        return np.asarray(np.interp(places_mm, self.places_mm, self.errors_mm), dtype=np.float64)
 
 
 def map_error(seed: VehicleSeed, offset_mm: float, walk_mm: float, own_share: float, end_mm: int) -> MapError:
@@ -44,4 +44,5 @@ def map_error(seed: VehicleSeed, offset_mm: float, walk_mm: float, own_share: fl
     steps = max(1, -(-end_mm // _STEP_MM))
     drawn = seed.rng(_STREAM).standard_normal(steps) * (walk_mm * (_STEP_MM / 1e6) ** 0.5)
     walk = np.concatenate([[0.0], np.cumsum(drawn)])
-    return MapError(np.arange(steps + 1) * float(_STEP_MM), offset_mm + walk, own_share)
+    places = np.arange(steps + 1, dtype=np.float64) * _STEP_MM
+    return MapError(places, np.asarray(offset_mm + walk, dtype=np.float64), own_share)
