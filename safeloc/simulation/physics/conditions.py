@@ -64,7 +64,7 @@ class Conditions:
 
     @property
     def by_physics(self) -> NDArray[np.bool_]:
-        """Whether the wheels of a vehicle are simulated from their physics."""
+        """Return which vehicles have wheels that are simulated from their physics."""
         return np.asarray(self.figures[rail.ADHESION] > 0)
 
     @cached_property
