@@ -133,10 +133,7 @@ class Judgement:
     @cached_property
     def fix(self) -> Interval:
         """Interval of the front end at the end of the cycle by the telegram alone."""
-        odometer = self.own.odometer
-        return self.own.config.reader.fix(
-            self.own.read, self.place, self.accuracy, odometer.distance, odometer.admitted
-        )
+        return self.own.config.reader.fix(self.own.read, self.place, self.accuracy, self.own.odometer)
 
     @cached_property
     def agrees(self) -> Bool:

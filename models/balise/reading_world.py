@@ -22,6 +22,7 @@ from safeloc.language.expr import (
     exact_to,
     ite,
     maximum,
+    minimum,
     with_unit,
 )
 from safeloc.language.units import MM, NM, NM_PER_MM
@@ -129,7 +130,7 @@ def counter_law(read: Reading, true_since: NumVar, wander_change: Num, rate_ppm:
 def age_law(
     read: Reading,
     true_since: NumVar,
-    distance: tuple[Bool, NumVar],
+    true_cycle_distance: NumVar,
     *,
     period_ms: int,
     max_speed_mm_s: int,
@@ -137,18 +138,18 @@ def age_law(
 ) -> Law:
     """Return the law of the age of a reading without a counter.
 
-    true_since  the true run since the reading, nm
-    distance    whether the odometer delivers a distance that can have been run, and that distance, mm
+    true_since           the true run since the reading, nm
+    true_cycle_distance  the true run of the cycle, nm: what the odometer measures of it may point the other way
     """
-    possible, step = distance
     farthest, least = run_in_age_nm(read, max_speed_mm_s), as_num(measuring_step_mm * NM_PER_MM, NM)
-    fresh = possible & (read.age.value < period_ms + 1)
-    back = least + ite(fresh & (step > -1), as_num(0, NM), farthest)
-    forth = least + ite(fresh & (step < 1), as_num(0, NM), farthest)
+    back, forth = minimum(true_cycle_distance, 0) - least, maximum(true_cycle_distance, 0) + least
+    fresh = read.age.value < period_ms + 1
+    timed = between(0 - farthest - least, true_since, farthest + least)
     return Law(
-        (read_rightly(read) & ~read.since.present).implies(between(-back, true_since, forth)),
+        (read_rightly(read) & ~read.since.present).implies(timed & fresh.implies(between(back, true_since, forth))),
         "Since the reading the vehicle ran no farther than at its highest speed for the age of the reading, and one measuring "
-        "step. If the reading was taken in this cycle, the vehicle ran since then in the direction measured for the cycle.",
+        "step. If the reading was taken in this cycle, the vehicle ran since then no farther than in the cycle, and in its direction, "
+        "but for a measuring step. What the odometer measures of the cycle may point the other way, as far as its law allows.",
         ("max_speed_mm_s", "measuring_step_mm", "period_ms"),
         "[D] highest speed; no vehicle turns within a cycle but by a measuring step",
         "supplier",

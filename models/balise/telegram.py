@@ -29,12 +29,14 @@ from safeloc.language.expr import (
     exact_to,
     ite,
     members,
+    minimum,
     optional,
 )
 from safeloc.language.units import COUNT, MM, MM_S, MS, NM, NM_PER_MM, PPM
 from safeloc.models.vocabulary.cycle_figures import DistanceConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.interval import Interval
+from safeloc.models.vocabulary.odometer import Odometer
 
 _LARGEST_GROUP = 8
 ORIENTATION = members("orientation", "UNKNOWN", "NOMINAL", "REVERSE")
@@ -233,12 +235,14 @@ class Reader:
     antenna_mm    distance of the antenna behind the front end
     detection_mm  greatest distance of the antenna from balise 1 when it reports to stand over it
     constant_nm   the odometer's one-off constant, added from the reading on
+    floor_nm      the odometer's error in a cycle without any distance
     since_ppm     the odometer's rate, added for the distance run since the reading
     """
 
     antenna_mm: int
     detection_mm: int
     constant_nm: int
+    floor_nm: int
     since_ppm: int
     period_ms: int
     max_speed_mm_s: int
@@ -251,6 +255,7 @@ class Reader:
             config.antenna_mm,
             config.detection_mm,
             2 * config.odometer.wander_nm,
+            config.odometer.floor_mm_s * config.period_ms * 1_000,
             config.odometer.rate_ppm,
             config.period_ms,
             config.max_speed_mm_s,
@@ -263,23 +268,31 @@ class Reader:
         front = place + self.antenna_mm
         return exact_to(front - spread, NM), exact_to(front + spread, NM)
 
-    def run_since(self, read: Reading, distance: Num, admitted: Bool) -> tuple[Num, Num]:
+    def run_since(self, read: Reading, distance: Num, admitted: Bool, more: Num | None) -> tuple[Num, Num]:
         """Return how far the vehicle may have run backwards and forwards since the reading, nm, where `since` is absent.
 
         It is the run at the highest speed in the age of the reading, and one measuring step. After a reading of this cycle the
-        vehicle ran in the direction measured for the cycle; after an older one the direction is unknown.
+        vehicle ran in the direction measured for the cycle, as far as the odometer's floor and the error that a checking unit
+        reports (`more`) allow, and its one-off error, which is added anyway; after an older one the direction is unknown.
         """
         reach = exact_to(Lit(self.max_speed_mm_s, MM_S) * read.age.value, NM)
         least = as_num(self.measuring_step_mm * NM_PER_MM, NM)
+        against = least + self._unmeasured(reach, more)
         known = admitted & (read.age.value <= self.period_ms)
-        back = ite(known & (distance >= 0), least, reach + least)
-        forth = ite(known & (distance <= 0), least, reach + least)
+        back = ite(known & (distance >= 0), against, reach + least)
+        forth = ite(known & (distance <= 0), against, reach + least)
         return back, forth
 
-    def fix(self, read: Reading, place: Num, accuracy: Num, distance: Num, admitted: Bool) -> Interval:
+    def _unmeasured(self, reach: Num, more: Num | None) -> Num:
+        """Return how far the vehicle may have run against the measured direction beside its odometer's one-off error, nm."""
+        if more is None:
+            return minimum(reach, self.floor_nm) if self.floor_nm else as_num(0, NM)
+        return minimum(reach, more + self.floor_nm)
+
+    def fix(self, read: Reading, place: Num, accuracy: Num, odometer: Odometer) -> Interval:
         """Return the interval of the front end at the end of the cycle, given the group's place and location accuracy in mm."""
         since = read.since.value_or(as_num(0, MM))
-        back, forth = self.run_since(read, distance, admitted)
+        back, forth = self.run_since(read, odometer.distance, odometer.admitted, odometer.more)
         spread = exact_to(accuracy + self.detection_mm, NM) + self.constant_nm
         drift = abs_(since) * Lit(self.since_ppm, PPM)
         return Interval(

@@ -84,7 +84,7 @@ def _laws(own: Parts) -> dict[str, Bool | Law]:
         "the age bounds the run since the reading": age_law(
             own.read,
             own.world.true_since,
-            (can_be_run(own), own.odometer.measured.value),
+            own.world.true_cycle_distance,
             period_ms=own.config.period_ms,
             max_speed_mm_s=own.config.max_speed_mm_s,
             measuring_step_mm=own.config.measuring_step_mm,

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from safeloc.codegen.batch_steps import Stepped, compile_steps
 from safeloc.language.system import lower, without_ghosts
@@ -16,26 +17,47 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion, Motions
+from safeloc.simulation.physics.conditions import Conditions, Wheel
+from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 _TOLD = ("distance_mm", "reported", "more_nm")
+_APART = "units_apart_nm"
+"""State of the machine: part of the reported distance's error where the check unit is the lawful one."""
 
 
 @lru_cache(maxsize=8)
 def _on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
     system = without_ghosts(lower(build(parts(MotionConfig.model_validate_json(config))).machine))
-    return compile_steps(system, _TOLD, folder=libraries)
+    (apart,) = (var for var in system.state if var.name == _APART)
+    return compile_steps(replace(system, outputs={**system.outputs, _APART: apart}), (*_TOLD, _APART), folder=libraries)
+
+
+@dataclass(frozen=True, eq=False)
+class LawfulUnit:
+    """The unit that keeps its law, which the world may choose: by hindsight, the one whose laws hold for longer.
+
+    is_check   whether it is the check unit, array [vehicle]
+    wander_nm  its one-off error after each cycle, as the odometer's
+    """
+
+    is_check: NDArray[np.bool_]
+    wander_nm: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Distances of the vehicle's units, and those that motion reports to the machines that share the odometer."""
+    """Distances of the vehicle's units, and those that motion reports to the machines that share the odometer.
+
+    lawful  which unit the world takes for the lawful one
+    """
 
     odometer: Distances
     check: Distances | None
     reported: Distances
+    lawful: LawfulUnit
 
 
 def measured_by(
@@ -44,7 +66,8 @@ def measured_by(
     """Return the distances of both units along a drive; `name` and `faults` are those of the odometer."""
     odometer = measure(name, motion, config.odometer, rng, faults=faults)
     check = None if config.check is None else measure("check", motion, config.check, rng)
-    return Measured(odometer, check, reported(config, odometer, check))
+    lawful = LawfulUnit(np.zeros(1, dtype=np.bool_), odometer.wander_nm)
+    return Measured(odometer, check, reported(config, odometer, check), lawful)
 
 
 def measured_by_many(
@@ -54,14 +77,40 @@ def measured_by_many(
     seeds: Sequence[VehicleSeed],
     faults: Sequence[Sequence[Fault]],
     libraries: Path | None,
+    met: Conditions | None = None,
 ) -> Measured:
     """Return the same of many vehicles, each with its motion, seed and faults: arrays [cycle, vehicle].
 
     libraries  folder for compiled machines; None: a temporary one
+    met        rail and wheels of the vehicles; None: the odometer errs as its law says
     """
     odometer = _measured(name, config.odometer, motions, seeds, faults)
+    if met is not None:
+        wheel = Wheel(name, name, config.odometer, config.physics, config.period_ms)
+        odometer = met.measured(wheel, odometer, faults)
     check = None if config.check is None else _measured("check", config.check, motions, seeds, [()] * len(seeds))
-    return Measured(odometer, check, _reported(config, odometer, check, libraries))
+    lawful = LawfulUnit(np.zeros(len(seeds), dtype=np.bool_), odometer.wander_nm)
+    if met is not None and met.by_physics.any() and check is not None:
+        lawful = _by_hindsight(config, met, odometer, check)
+    return Measured(odometer, check, _reported(config, odometer, check, lawful, libraries), lawful)
+
+
+def _by_hindsight(config: MotionConfig, met: Conditions, odometer: Distances, check: Distances) -> LawfulUnit:
+    """Return the lawful unit of vehicles: the check unit, with a wander that explains it, where its laws hold for longer than the odometer's.
+
+    Where the check unit is the lawful one, a vehicle that counts as standing has to stand, and the wander rests there.
+    """
+    assert config.check is not None
+    of_odometer, of_check = (can_be_run(one.distance_mm, one.present, config.physics) for one in (odometer, check))
+    _, broken = lawful_wander(met.true_nm, odometer.distance_mm, of_odometer, config.odometer, config.period_ms)
+    still = np.zeros(of_check.shape, dtype=np.bool_)
+    if config.creep is not None:
+        floor = config.check.floor_mm_s * config.period_ms // 1_000
+        still = of_odometer & of_check & (odometer.distance_mm == 0) & (np.abs(check.distance_mm) <= floor)
+    wander, unlawful = lawful_wander(met.true_nm, check.distance_mm, of_check & ~still, config.check, config.period_ms)
+    creeps = still & (np.abs(met.true_nm) > (config.creep or 0) * config.period_ms * 1_000)
+    is_check = met.by_physics & (first_breach(unlawful | creeps) > first_breach(broken))
+    return LawfulUnit(is_check, np.where(is_check, wander, odometer.wander_nm))
 
 
 def _measured(
@@ -77,10 +126,13 @@ def reported(config: MotionConfig, odometer: Distances, check: Distances | None)
     """Return the distances that motion reports; without a check unit, those that the odometer measured."""
     if check is None:
         return odometer
-    return _reported(config, odometer.as_column, check.as_column, None).of(0)
+    lawful = LawfulUnit(np.zeros(1, dtype=np.bool_), odometer.as_column.wander_nm)
+    return _reported(config, odometer.as_column, check.as_column, lawful, None).of(0)
 
 
-def _reported(config: MotionConfig, odometer: Distances, check: Distances | None, libraries: Path | None) -> Distances:
+def _reported(
+    config: MotionConfig, odometer: Distances, check: Distances | None, lawful: LawfulUnit, libraries: Path | None
+) -> Distances:
     if config.check is None or check is None:
         return odometer
     code = _on_board(config.model_dump_json(), libraries)
@@ -89,4 +141,5 @@ def _reported(config: MotionConfig, odometer: Distances, check: Distances | None
         inputs[name], inputs[f"{name}.present"] = np.where(unit.present, unit.distance_mm, 0), unit.present
     told = code.through(through_border(code.system, inputs)[0])
     step, present, more = (told[name] for name in _TOLD)
-    return replace(odometer, distance_mm=step, present=present, more_nm=more)
+    wander = lawful.wander_nm + np.where(lawful.is_check, told[_APART], 0)
+    return replace(odometer, distance_mm=step, present=present, wander_nm=wander, more_nm=more)

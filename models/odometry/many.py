@@ -6,7 +6,7 @@ Each vehicle drives one of a few motions and draws the errors of each unit, and 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,15 @@ from safeloc.models.odometry.ghosts import READERS
 from safeloc.models.odometry.simulate import reading_inputs, units_of
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
+from safeloc.models.vocabulary.measuring_world import Physics
 from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
 from safeloc.simulation.motion import Motions
+from safeloc.simulation.physics import conditions
+from safeloc.simulation.physics.conditions import Conditions, Wheel
+from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander
+from safeloc.simulation.physics.map_errors import MapError
 from safeloc.simulation.reader_faults import with_faults
 from safeloc.simulation.sensors import (
     SEVERITY,
@@ -35,6 +40,8 @@ from safeloc.simulation.sensors import (
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 MISSED = "missed"
+SHARED_WHEEL = "wheel"
+"""The name of the figures of a vehicle's wheels where other machines read the front one as well."""
 _ACCURACY_MM = 1_000
 
 
@@ -49,6 +56,7 @@ class Drives:
 def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
     """Return the figures of the sensors that may be drawn."""
     found = {MISSED: DrawnFigure("share", 0, 1, 0.0, "markers that a reader does not report")}
+    found |= conditions.figures_of([name for name, law in units_of(config).items() if law.kind == "wheel"])
     for name in units_of(config):
         found[f"{name}_severity"] = DrawnFigure(
             "share", 0, 100, 0.9, f"error of {name} as a share of what its law allows; above 1 it breaks the law"
@@ -77,11 +85,24 @@ def simulate_many(
     true = np.diff(position, axis=0, prepend=np.int64(0))
     inputs["true_cycle_distance_nm"][:] = true
     inputs["true_length_nm"][:] = config.vehicle_length_mm * NM_PER_MM
+    met = Conditions(drawn.figures, drawn.seeds, position, true, config.vehicle_length_mm)
     for name, law in units_of(config).items():
-        _measure(inputs, name, law, true, config.period_ms, drawn)
+        unit = _measured(name, law, true, config.period_ms, drawn)
+        if law.kind == "wheel":
+            unit = met.measured(_wheel(config, name, law), unit, drawn.faults)
+        inputs[f"{name}_mm"], inputs[f"{name}_mm.present"] = unit.distance_mm, unit.present
+        inputs[f"{name}_next_wander_nm"] = unit.wander_nm
+    maps = met.maps(max((place for _, place in markers), default=0))
     for end, offset in enumerate((0, config.vehicle_length_mm)):
-        _read(inputs, config, end, offset, position, markers, accuracy_mm, drawn)
+        _read(inputs, config, end, offset, position, markers, accuracy_mm, maps, drawn)
     return ManyRuns(inputs)
+
+
+def _wheel(config: OdometryConfig, name: str, law: ErrorLaw) -> Wheel:
+    """Return the wheel of either device, that of the rear one as far behind as the reader there."""
+    behind_mm = config.vehicle_length_mm if name.startswith("rear") else 0
+    limits = Physics.of(config, config.lone_limit_cycles + 1)
+    return Wheel(name, name, law, limits, config.period_ms, behind_mm)
 
 
 def simulate_shared(
@@ -92,13 +113,16 @@ def simulate_shared(
     faults: Sequence[Sequence[Fault]],
     markers: Sequence[tuple[int, int]],
     shared: Sequence[Distances | None],
+    met: Conditions,
+    maps: Sequence[MapError],
 ) -> dict[str, Array]:
     """Return the inputs of vehicles, each with its motion, without drop-outs and markers missed.
 
     Markers lie up to nine tenths of their accuracy from their places on the map, other ones for each reader and vehicle. A fault of a reader at a
     time without a reading changes nothing.
 
-    shared  distances [cycle, vehicle] of the front end's units that other machines read as well; None: a unit of its own
+    shared     distances [cycle, vehicle] of the front end's units that other machines read as well; None: a unit of its own
+    met, maps  rail and wheels of the vehicles, which are those of the shared odometer, and the error of each one's map
     """
     cycles, vehicles = motions.position_nm.shape
     inputs = absent_everywhere(system, cycles, vehicles)
@@ -110,13 +134,20 @@ def simulate_shared(
             dropout=[0.0] * vehicles, severity=[SEVERITY] * vehicles,
             faults=[[fault for fault in own if fault.where not in READERS] for own in faults],
         )  # fmt: skip
+        if other is None and law.kind == "wheel":
+            wheel = replace(_wheel(config, name, law), figures=SHARED_WHEEL)
+            unit = met.measured(wheel, unit, faults)
         inputs[f"{name}_mm"] = np.where(unit.present, unit.distance_mm, 0)
         inputs[f"{name}_mm.present"], inputs[f"{name}_next_wander_nm"] = unit.present, unit.wander_nm
     accuracy_mm = dict.fromkeys((marker for marker, _ in markers), _ACCURACY_MM)
+    places = np.array([place for _, place in markers], dtype=np.float64)
     for run, seed in enumerate(seeds):
-        motion = motions.of(run)
+        motion, beside = motions.of(run), maps[run].at(places).tolist()
         for end, (name, offset) in enumerate(zip(READERS, (0, config.vehicle_length_mm), strict=True)):
-            read = read_markers(motion, end, offset, markers, accuracy_mm, seed.rng(f"odometry {name}"))
+            read = read_markers(
+                motion, end, offset, markers, accuracy_mm, seed.rng(f"odometry {name}"),
+                own_share=maps[run].own_share, beside_mm=beside,
+            )  # fmt: skip
             own = [fault for fault in faults[run] if fault.where == name]
             for one in with_faults(name, read, markers, own, anywhen=True):
                 if one.cycle < cycles:
@@ -124,14 +155,29 @@ def simulate_shared(
     return inputs
 
 
-def _measure(
-    inputs: dict[str, Array],
-    name: str,
-    law: ErrorLaw,
-    true: NDArray[np.int64],
-    period_ms: int,
-    drawn: Drawn,
-) -> None:
+def faulty_wheel(
+    config: OdometryConfig, met: Conditions, told: Mapping[str, tuple[NDArray[np.int64], NDArray[np.bool_]]]
+) -> NDArray[np.int64]:
+    """Return the unit of each vehicle that breaks its law, as the world numbers it: of several wheels the first that does; 0 for none.
+
+    told  of each wheel by its name: what it told in each cycle, mm, and whether it told anything, arrays [cycle, vehicle]
+    """
+    found = np.zeros(len(met.seeds), dtype=np.int64)
+    if not met.by_physics.any():
+        return found
+    laws, cycles = units_of(config), len(met.true_nm)
+    earliest = np.where(met.by_physics, cycles, 0)
+    for name, (told_mm, present) in told.items():
+        counts = can_be_run(told_mm, present, Physics.of(config, config.lone_limit_cycles + 1))
+        _, broken = lawful_wander(met.true_nm, told_mm, counts, laws[name], config.period_ms)
+        first = first_breach(broken)
+        found = np.where(first < earliest, 1 + list(laws).index(name), found)
+        earliest = np.minimum(earliest, first)
+    return found
+
+
+def _measured(name: str, law: ErrorLaw, true: NDArray[np.int64], period_ms: int, drawn: Drawn) -> Distances:
+    """Return what a unit of each vehicle measures by its law, with its faults."""
     rngs = [seed.rng(name) for seed in drawn.seeds]
     bias, wanted, present = draws_of(rngs, len(true), drawn.figures[f"{name}_dropout"].tolist())
     for run, faults in enumerate(drawn.faults):
@@ -143,8 +189,7 @@ def _measure(
         of_unit = [fault for fault in faults if fault.strikes(name)]
         if of_unit:
             step[:, run] = np.where(present[:, run], faulty(name, step[:, run], of_unit), 0)
-    inputs[f"{name}_mm"], inputs[f"{name}_mm.present"] = step, present
-    inputs[f"{name}_next_wander_nm"] = wander
+    return Distances(name, step, present, wander)
 
 
 def _read(
@@ -155,14 +200,17 @@ def _read(
     position: NDArray[np.int64],
     markers: Sequence[tuple[int, int]],
     accuracy_mm: Mapping[int, int],
+    maps: Sequence[MapError],
     drawn: Drawn,
 ) -> None:
     """Write the readings of one reader into the inputs."""
     most = np.array([accuracy_mm[marker] for marker, _ in markers], dtype=np.float64)
     identities, cycles = np.array([marker for marker, _ in markers]), len(position)
+    places = np.array([place for _, place in markers], dtype=np.float64)
     for run, seed in enumerate(drawn.seeds):
         rng = seed.rng(READERS[end])
-        shifts = rng.uniform(-0.9, 0.9, len(markers)) * most
+        own = maps[run].own_share
+        shifts = rng.uniform(-own, own, len(markers)) * most + maps[run].at(places)
         readings = passages(position[:, run], 0, end, offset_mm, markers, shifts, accuracy_mm)
         lost = set(identities[rng.random(len(markers)) < drawn.figures[MISSED][run]].tolist())
         seen = [one for one in readings if one.marker not in lost]

@@ -108,8 +108,8 @@ class Cycle:
     @cached_property
     def first(self) -> Interval:
         """The distance of the front end beyond the group that was read, at the end of the cycle."""
-        odometer, zero = self.own.odometer, as_num(0, MM)
-        fix = self.own.config.reader.fix(self.own.read, zero, zero, odometer.distance, odometer.admitted)
+        zero = as_num(0, MM)
+        fix = self.own.config.reader.fix(self.own.read, zero, zero, self.own.odometer)
         since = self.own.read.since.value_or(zero)
         return Interval(since + self.own.config.antenna_mm, fix.above, fix.below)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group, telegram
@@ -22,11 +22,14 @@ def at_the_limits(config: UnlinkedGroupConfig) -> Steps:
     wander, half = 0, config.odometer.wander_nm
     for side in (1, -1):
         for distance in _MEASURED_MM:
-            for read in _readings(config, distance, side):
+            for read in _readings(config, side):
                 slipped = 0 if distance is None else _towards(side * half, wander)
                 wander += slipped
+                moved = _moved(config, distance, side, slipped)
+                if _taken_in_cycle(config, read):
+                    read["true_since_nm"] = _farthest_in_cycle(config, side, int(moved["true_cycle_distance_nm"]))
                 since = int(read["true_since_nm"]) + (wander + side * half if "telegram_since_mm" in read else 0)
-                steps.append(_moved(config, distance, side, slipped) | read)
+                steps.append(moved | read)
                 steps[-1] |= {
                     "telegram_group": len(steps),
                     "true_since_nm": since,
@@ -34,6 +37,16 @@ def at_the_limits(config: UnlinkedGroupConfig) -> Steps:
                     "odometer_next_wander_nm": wander,
                 }
     return steps
+
+
+def _taken_in_cycle(config: UnlinkedGroupConfig, read: Mapping[str, Cell]) -> bool:
+    """Return whether a reading without a counter was taken in its cycle."""
+    return "telegram_since_mm" not in read and int(read["telegram_age_ms"]) <= config.period_ms
+
+
+def _farthest_in_cycle(config: UnlinkedGroupConfig, side: int, ran_nm: int) -> int:
+    """Return the farthest run to one side since a reading of the cycle, in which the vehicle ran `ran_nm`, nm."""
+    return side * (max(0, side * ran_nm) + config.measuring_step_mm * NM_PER_MM)
 
 
 def _towards(wanted: int, wander: int) -> int:
@@ -49,15 +62,13 @@ def _moved(config: UnlinkedGroupConfig, distance: int | None, side: int, slipped
     return {"odometer_mm": distance, "true_cycle_distance_nm": distance * NM_PER_MM + error + slipped}
 
 
-def _readings(config: UnlinkedGroupConfig, distance: int | None, side: int) -> Iterator[dict[str, Cell]]:
+def _readings(config: UnlinkedGroupConfig, side: int) -> Iterator[dict[str, Cell]]:
     """Yield readings with a counter, then one of this cycle and an older one without; the run since then without one-off errors."""
     for since in (_COUNTED_MM, -_COUNTED_MM):
         off = side * abs(since) * config.odometer.rate_ppm
         yield _reading(config, side, config.period_ms, since) | {"true_since_nm": since * NM_PER_MM + off}
     for age in (config.period_ms, config.period_ms + 1):
-        sure = distance is not None and side * distance <= 0 and age <= config.period_ms
-        farthest = 0 if sure else age * config.max_speed_mm_s * 1_000
-        run = side * (farthest + config.measuring_step_mm * NM_PER_MM)
+        run = side * (age * config.max_speed_mm_s * 1_000 + config.measuring_step_mm * NM_PER_MM)
         yield _reading(config, side, age, None) | {"true_since_nm": run}
 
 

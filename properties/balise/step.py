@@ -208,11 +208,14 @@ class Step:
         return earlier_num(own.memory.group).ne(0) & (told - less > self.moved.above)
 
     def _run_back(self, age: Num) -> Num:
-        """Greatest run backwards since a reading without a counter, nm."""
-        config = self.model.own.config
-        step = exact_to(as_num(config.measuring_step_mm, MM), NM)
+        """Greatest run backwards since a reading without a counter, nm, beside the odometer's one-off error."""
+        config, more = self.model.own.config, self.model.own.odometer.more
+        step, reach = exact_to(as_num(config.measuring_step_mm, MM), NM), exact_to(self.reach(age), NM)
+        unseen = exact_to(Lit(config.odometer.floor_mm_s * config.period_ms, UM), NM)
+        if more is not None:
+            unseen = unseen + more
         forwards = self.admitted & (age < config.period_ms + 1) & (self.distance >= 0)
-        return ite(~forwards, exact_to(self.reach(age), NM) + step, step)
+        return step + ite(forwards & (unseen < reach), unseen, reach)
 
     @cached_property
     def expecting(self) -> Bool:

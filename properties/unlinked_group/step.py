@@ -136,11 +136,14 @@ class Step:
         return fixed + ite(~self.model.own.read.since.present, unmeasured, counted)
 
     def unmeasured(self, other_way: Bool) -> Num:
-        """Return the run since a reading without a counter, nm; `other_way`: the cycle's distance points the other way."""
+        """Return the run since a reading without a counter, nm, beside the odometer's one-off error; `other_way`: the cycle's
+        distance points the other way.
+        """
         config, age = self.model.own.config, self.model.own.read.age.value
-        least = exact_to(as_num(config.measuring_step_mm, MM), NM)
-        sure = all_of([self.admitted, age < config.period_ms + 1, other_way])
-        return ite(sure, least, least + self.reach(age))
+        least, reach = exact_to(as_num(config.measuring_step_mm, MM), NM), self.reach(age)
+        floor = exact_to(Lit(config.odometer.floor_mm_s * config.period_ms, UM), NM)
+        sure = all_of([self.admitted, age < config.period_ms + 1, other_way, floor < reach])
+        return least + ite(sure, floor, reach)
 
     @cached_property
     def run_on(self) -> tuple[Num, Num, Num]:

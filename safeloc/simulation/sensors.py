@@ -288,16 +288,22 @@ def read_markers(
     *,
     missed: float = 0.0,
     foreign: float = 0.0,
+    own_share: float = 0.9,
+    beside_mm: Sequence[float] = (),
 ) -> list[Reading]:
     """Return readings of the reader `offset_mm` behind end A.
 
     markers      (identity, place in mm) in order of place
+    own_share    how far each marker lies from its place at most, as a share of its accuracy, where each has one
+    beside_mm    how far each lies from it beside that; none without any
     accuracy_mm  errors reach nine tenths of it. One for all markers: the distance since the reading is wrong by that much. One
                  for each marker: the marker lies that far from its mapped place
     foreign      share of cycles with a marker of another track, whose identity the map does not have
     """
     known = None if isinstance(accuracy_mm, int) else accuracy_mm
-    shifts = {} if known is None else {m: rng.uniform(-0.9, 0.9) * known[m] for m, _ in markers}
+    shifts = {} if known is None else {m: rng.uniform(-own_share, own_share) * known[m] for m, _ in markers}
+    for (marker, _), beside in zip(markers, beside_mm, strict=False):
+        shifts[marker] += beside
     places = motion.position_nm - offset_mm * NM_PER_MM
     met = _met(places, motion.start_nm - offset_mm * NM_PER_MM, [(p + shifts.get(m, 0.0)) for m, p in markers])
     readings: list[Reading] = []

@@ -12,6 +12,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.balise import build
+from safeloc.models.balise.configurations import ERRING
 from safeloc.models.balise.judgement import Judgement
 from safeloc.models.balise.linking import Announcement
 from safeloc.models.balise.telegram import Reader, Telegram
@@ -25,9 +26,9 @@ from tests.models.spoilt import rebuilt
 CONFIG = BaliseConfig()
 
 
-def made() -> tuple[Machine, list[Property]]:
+def made(config: BaliseConfig = CONFIG) -> tuple[Machine, list[Property]]:
     """The machine as it is built now, and its claims."""
-    model = build(parts(CONFIG))
+    model = build(parts(config))
     return model.machine, properties(model)
 
 
@@ -100,6 +101,21 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(made(), claim)
+
+
+UNSEEN = {
+    "an odometer that errs at standstill": BaliseConfig(odometer=ERRING),
+    "a distance that a second unit has checked": BaliseConfig(checked_distance=True),
+}
+"""Configurations in which the vehicle can run against the measured direction by more than the one-off error."""
+
+
+@pytest.mark.parametrize("config", UNSEEN.values(), ids=UNSEEN)
+def test_a_run_against_the_measured_direction_is_added(monkeypatch: pytest.MonkeyPatch, config: BaliseConfig) -> None:
+    """A machine that takes the measured direction for the true one, whatever the odometer's error, loses containment."""
+    assert keeps(made(config), "containment")
+    edited(monkeypatch, Reader, "_unmeasured", lambda _r, right, *_: right * 0)
+    assert not keeps(made(config), "containment")
 
 
 KEPT = "a group is kept where linking or its telegram has it"

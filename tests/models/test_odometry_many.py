@@ -11,6 +11,7 @@ import pytest
 from safeloc.campaign.declaration import parse_campaign
 from safeloc.campaign.judged import IN_RANGE, judge_of
 from safeloc.campaign.scenes import check_strata, drawn_runs
+from safeloc.errors import InputError
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.vocabulary.error_law import RADAR, WHEEL, ErrorLaw
 from safeloc.simulation.many_runs import through_border
@@ -101,3 +102,55 @@ def test_values_beyond_their_range_are_left_out_as_on_board() -> None:
     assert (0, False) == (found["front_wheel_mm"][7, 1], found["front_wheel_mm.present"][7, 1])
     assert wheel[6, 1] == found["front_wheel_mm"][6, 1]
     assert runs.inputs["true_cycle_distance_nm"].sum() > NM_PER_MM
+
+
+PHYSICAL = """
+adhesion = { distribution = "choice", values = [0.0, 0.05, 0.3], unit = "share" }
+front_wheel_scale_ppm = { distribution = "uniform", low = -2000, high = 2000, unit = "ppm" }
+map_walk_mm = { distribution = "fixed", value = 300, unit = "mm" }
+map_own_share = { distribution = "fixed", value = 0.1, unit = "share" }
+"""
+
+
+def test_wheels_and_maps_by_physics_are_alone_what_they_are_among_others() -> None:
+    """Bit by bit; leaves on the rail break the laws of wheels alone, a dry rail and a map that errs a little break none."""
+    text = ON_VALLEY[: ON_VALLEY.index("[[situations.faults]]")]
+    campaign = parse_campaign(text.replace("[figures]", f"[figures]{PHYSICAL}"), "c.toml")
+    check_strata(campaign)
+    scene, drawn, _ = drawn_runs(campaign, campaign.shards[0])
+    figures = {**drawn.figures, "adhesion": np.array([0.05, 0.3, 0.0])}
+    together = scene.simulation.runs(replace(drawn, figures=figures), 600)
+    for vehicle in range(3):
+        own = {name: values[vehicle : vehicle + 1] for name, values in figures.items()}
+        alone = scene.simulation.runs(
+            replace(drawn, vehicles=1, figures=own, faults=[[]], seeds=drawn.seeds[vehicle : vehicle + 1]), 600
+        )
+        assert all(
+            np.array_equal(values[:, :1], together.inputs[name][:, vehicle : vehicle + 1])
+            for name, values in alone.inputs.items()
+        )
+    judge = JUDGE(scene.target)
+    held = judge.outcome(together).held
+    broken = [
+        {name for name, one in zip(judge.clauses, held, strict=True) if not one[:, vehicle].all()}
+        for vehicle in range(3)
+    ]
+    assert [{"front_wheel obeys its error law", "rear_wheel obeys its error law"}, set(), set()] == broken
+
+
+@pytest.mark.parametrize(
+    ("figure", "message"),
+    [
+        ('adhesion = { distribution = "fixed", value = 0.3, unit = "mm" }', "its unit is share, not 'mm'"),
+        (
+            'adhesion = { distribution = "fixed", value = 0.7, unit = "share" }',
+            "0.7 share leaves the range 0 to 0.6 share",
+        ),
+        ('front_radar_scale_ppm = { distribution = "fixed", value = 1, unit = "ppm" }', "there is no such figure"),
+    ],
+)
+def test_figures_of_physics_are_refused_with_file_and_line(figure: str, message: str) -> None:
+    """A wrong unit, a value out of range, and a figure that the unit does not have: a radar is no wheel."""
+    campaign = parse_campaign(ON_VALLEY.replace("[figures]", f"[figures]\n{figure}"), "c.toml")
+    with pytest.raises(InputError, match=f"^c.toml:6: figures.{figure.split()[0]}: .*{message}"):
+        check_strata(campaign)

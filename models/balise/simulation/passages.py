@@ -16,6 +16,7 @@ from safeloc.models.balise.variables import BaliseConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.motion import Motion
+from safeloc.simulation.physics.map_errors import OWN_SHARE, MapError
 
 _DISPLACED_MM = 40_000
 """Displacement of a group beyond twice the tolerance and twice its accuracy."""
@@ -60,6 +61,7 @@ class Antenna:
     foreign  the share of cycles without another telegram that bring one of another track
     counted  the share of readings with a latched counter
     faults   of `KINDS`
+    map_     the error of the vehicle's map; None: each group errs by itself, up to nine tenths of its accuracy
     """
 
     rng: np.random.Generator
@@ -67,6 +69,7 @@ class Antenna:
     foreign: float
     counted: float
     faults: Sequence[Fault] = ()
+    map_: MapError | None = None
 
 
 # ------------------------------------------------------------------ passages
@@ -102,14 +105,20 @@ def _met(before: NDArray[np.int64], after: NDArray[np.int64], front: NDArray[np.
 
 
 def _spots(config: BaliseConfig, groups: Sequence[Group], national_mm: int, antenna: Antenna) -> list[Passage]:
-    """Return the true places of balise 1 and of the front end at each reading, with up to nine tenths of the permitted errors."""
+    """Return the true places of balise 1 and of the front end at each reading, with up to nine tenths of the permitted errors, or
+    with those of the vehicle's map.
+    """
+    own = OWN_SHARE if antenna.map_ is None else antenna.map_.own_share
     kinds = {fault.where: fault.kind for fault in antenna.faults}
     signs = {"early": -1, "late": 1}
     spots = []
     for group in groups:
         fault = kinds.get(group.identity, "")
         accuracy = national_mm if group.accuracy_mm is None else min(national_mm, group.accuracy_mm)
-        error = antenna.rng.uniform(-0.9, 0.9) * accuracy
+        error = antenna.rng.uniform(-own, own) * accuracy
+        error += (
+            0.0 if antenna.map_ is None else float(antenna.map_.at(np.array([group.place_mm], dtype=np.float64))[0])
+        )
         detection = antenna.rng.uniform(-0.9, 0.9) * config.detection_mm
         shift = signs.get(fault, 0) * _displaced_mm(config, group, national_mm)
         spot = int((group.place_mm + shift + error) * NM_PER_MM)

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.localizer.simulation.columns import Column, Columns
 from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM, Stretch, Vehicles, speeds_um_s
+from safeloc.models.localizer.simulation.reflected import Receivers
 from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
 from safeloc.models.motion.simulate import Measured
 from safeloc.models.verification.variables import FROM
+from safeloc.simulation.physics.multipath import DEVIATION, reflections
 
 _SENDERS = tuple(one.label for one in FROM)
 
@@ -27,8 +29,8 @@ def common(vehicles: Vehicles, measured: Measured) -> Columns:
         if unit is not None:
             columns[name] = Column(unit.distance_mm, unit.present)
     if measured.check is not None:
-        wander = Column(measured.odometer.wander_nm)
-        columns |= {"odometer_next_wander_nm": wander, "motion.lawful_next_wander_nm": wander}
+        columns["odometer_next_wander_nm"] = Column(measured.reported.wander_nm)
+        columns["motion.lawful_next_wander_nm"] = Column(measured.lawful.wander_nm)
     return columns
 
 
@@ -63,7 +65,19 @@ def satellite(vehicles: Vehicles) -> Columns:
     spoofed = truth + np.cumsum(SPOOFED_MM * vehicles.acting("spoofing"), axis=0)
     speed = speeds_um_s(vehicles.motions)[1:]
     columns = signals(config, sky, drawn) | solution(config, sky, drawn, spoofed, speed)
+    columns |= _reflected(vehicles, sky, columns, spoofed)
     return columns | {"position.next_speed_um_s": Column(speed)}
+
+
+def _reflected(vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray[np.int64]) -> Columns:
+    """Return the columns that reflections change, for the vehicles whose signals are reflected."""
+    config, which = vehicles.config.satellite.selection, vehicles.figures[DEVIATION] > 0
+    satellites = min(config.channels, int(sky.seen.max(initial=0)))
+    if not (which.any() and satellites and sky.received.any()):
+        return {}
+    found = reflections(vehicles.figures, vehicles.seeds, satellites, vehicles.shape[0])
+    ready = sky.received >= config.warm_up_cycles
+    return Receivers(config, columns, which, ready, found).reflected(place_mm)
 
 
 def _within(stretches: Sequence[Stretch], places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -13,9 +13,14 @@ from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.junction import Junction
+from safeloc.models.odometry.many import SHARED_WHEEL
 from safeloc.models.reflector import simulate as reflector_streams
 from safeloc.simulation.faults import Fault, Kinds, plain
+from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.motion import Leg, Motion, Motions, VehicleConfig, move_many
+from safeloc.simulation.physics import conditions, multipath
+from safeloc.simulation.physics.conditions import Conditions
+from safeloc.simulation.physics.map_errors import MapError
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 KINDS = Kinds(
@@ -49,6 +54,11 @@ PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
 """Machine -> fault of the journey -> fault of the machine's own simulation."""
 
 
+WHEEL = SHARED_WHEEL
+PHYSICS: Mapping[str, DrawnFigure] = {**conditions.figures_of([WHEEL]), **multipath.FIGURES}
+"""Figures of what is simulated from its physics: of the rail, of both wheels of a vehicle, of the map and of reflected signals."""
+
+
 @dataclass(frozen=True)
 class Stretch:
     """A part of the line, mm."""
@@ -69,6 +79,7 @@ class Journey:
     fibre       the stretch with a fibre along the track, with an axle counter at its beginning
     groups      balise groups along the route that is set, those behind the junction included
     junction    the switch at which another branch leaves that route; there is no fibre along the branch
+    physics     figures of rail, wheels, map and reflected signals in place of their defaults (`PHYSICS`)
     """
 
     legs: Sequence[Leg]
@@ -83,6 +94,7 @@ class Journey:
     length_mm: int = 60_000
     acceleration_mm_s2: int = 700
     troubles: Sequence[Fault] = ()
+    physics: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def lawful(self) -> bool:
@@ -172,6 +184,28 @@ class Vehicles:
     def satellites(self) -> NDArray[np.int64]:
         """Satellites in view of each."""
         return np.array([one.satellites for one in self.journeys], dtype=np.int64)
+
+    @cached_property
+    def figures(self) -> Mapping[str, NDArray[np.float64]]:
+        """The figures of `PHYSICS` of each: arrays [vehicle]."""
+        return {
+            name: np.array([one.physics.get(name, figure.default) for one in self.journeys], dtype=np.float64)
+            for name, figure in PHYSICS.items()
+        }
+
+    @cached_property
+    def met(self) -> Conditions:
+        """Rail and map of each."""
+        motions, longest = self.motions, self.config.odometry.vehicle_length_mm
+        return Conditions(self.figures, self.seeds, motions.position_nm, motions.distance_nm, longest)
+
+    @cached_property
+    def maps(self) -> Sequence[MapError]:
+        """The map's error of each, up to the last marker or group of the line."""
+        journey = self.first
+        places = [place for _, place in journey.markers]
+        places += [group.place_mm for group in [*journey.groups, *journey.passed]]
+        return self.met.maps(max(places, default=0))
 
     def acting(self, kind: str) -> NDArray[np.bool_]:
         """Return whether a fault of a kind acts: array [cycle, vehicle]."""

@@ -12,7 +12,7 @@ from safeloc.errors import InputError
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.models.localizer import LocalizerConfig
-from safeloc.models.localizer.simulation.journey import OF_THE_ROUTE, Journey, Vehicles, speeds_um_s
+from safeloc.models.localizer.simulation.journey import OF_THE_ROUTE, PHYSICS, Journey, Vehicles, speeds_um_s
 from safeloc.models.localizer.simulation.journeys import NOMINAL
 from safeloc.models.localizer.simulation.simulate import FIRST_SPEED, KINDS, first_but_speed
 from safeloc.models.localizer.simulation.sources import Fleet
@@ -55,6 +55,7 @@ class LocalizerJourneys:
             TOP: DrawnFigure("share", 0.05, 1, 1.0, "share of the journey's speeds at which it drives"),
             ACCELERATION: DrawnFigure("share", 0.2, 1.5, 1.0, "share of the journey's acceleration and braking"),
             STANDS: DrawnFigure("cycles", 0, 100_000, 0.0, "how long it stands before it leaves"),
+            **PHYSICS,
         }
 
     @property
@@ -74,12 +75,16 @@ class LocalizerJourneys:
         for run, faults in enumerate(drawn.faults):
             KINDS.require(faults)
             alike.setdefault(frozenset(one.kind for one in faults if one.kind in OF_THE_ROUTE), []).append(run)
-        parts, first = [], dict[str, Array | Value](first_but_speed(self.config, journeys[0]))
+        parts, chosen = [], dict[str, Array]()
         speeds = np.zeros(drawn.vehicles, dtype=np.int64)
         for which in alike.values():
             vehicles = Vehicles(self.config, [journeys[run] for run in which], [drawn.seeds[run] for run in which])
-            parts.append((np.array(which), ManyRuns(Fleet(vehicles, self.system, self.libraries).inputs())))
+            runs = Fleet(vehicles, self.system, self.libraries).runs()
+            parts.append((np.array(which), ManyRuns(runs.inputs)))
             speeds[which] = speeds_um_s(vehicles.motions)[0]
+            for name, values in runs.first.items():
+                chosen.setdefault(name, np.zeros(drawn.vehicles, dtype=np.int64))[which] = values
+        first: dict[str, Array | Value] = {**first_but_speed(self.config, journeys[0]), **chosen}
         if "satellite" in self.config.arbitration.sources:
             first[FIRST_SPEED] = speeds
         return ManyRuns(joined(parts, drawn.vehicles).inputs, first)
@@ -97,6 +102,7 @@ class LocalizerJourneys:
             satellites=round(figures["satellites"]),
             acceleration_mm_s2=max(1, round(nominal.acceleration_mm_s2 * figures[ACCELERATION])),
             troubles=drawn.faults[run],
+            physics={name: figures[name] for name in PHYSICS if name in figures},
         )
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.models import odometry
 from safeloc.models.balise.simulation.many import Line
@@ -14,14 +16,15 @@ from safeloc.models.balise.simulation.many import simulate_many as simulate_bali
 from safeloc.models.balise.simulation.passages import Antenna
 from safeloc.models.localizer.simulation.columns import Columns, arrays_of
 from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
-from safeloc.models.localizer.simulation.journey import Vehicles
+from safeloc.models.localizer.simulation.journey import WHEEL, Vehicles
 from safeloc.models.motion.simulate import Measured, measured_by_many
-from safeloc.models.odometry.many import simulate_shared
+from safeloc.models.motion.world import CHECK_LAWFUL, ODOMETER_LAWFUL
+from safeloc.models.odometry.many import faulty_wheel, simulate_shared
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.simulation.draws import ByPurpose
 from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
 from safeloc.models.reflector.simulation.scene import KINDS, Scene
-from safeloc.simulation.many_runs import Array, absent_everywhere
+from safeloc.simulation.many_runs import Array, ManyRuns, absent_everywhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,19 +40,37 @@ class Fleet:
 
     def inputs(self) -> dict[str, Array]:
         """Return all inputs: name -> array [cycle, vehicle]."""
+        return dict(self.runs().inputs)
+
+    def runs(self) -> ManyRuns:
+        """Return all inputs, and the first values of what the world chooses for good by hindsight: which unit keeps its law, and which not."""
         vehicles = self.vehicles
         measured = measured_by_many(
-            "wheel",
+            WHEEL,
             vehicles.config.motion,
             vehicles.motions,
             vehicles.seeds,
             vehicles.passed_on("motion"),
             self.libraries,
+            vehicles.met,
         )
         found = self._of(common(vehicles, measured)) | self._of(links(vehicles))
         for name in vehicles.config.arbitration.sources:
             found |= _SOURCES[name](self, measured)
-        return absent_everywhere(self.system, *vehicles.shape, but=found)
+        return ManyRuns(absent_everywhere(self.system, *vehicles.shape, but=found), self._chosen(measured, found))
+
+    def _chosen(self, measured: Measured, found: Mapping[str, Array]) -> dict[str, Array]:
+        """Return the lawful unit of motion, and the faulty one of odometry, of each vehicle, where the world has such a choice."""
+        config, chosen = self.vehicles.config, dict[str, Array]()
+        if config.motion.check is not None:
+            chosen["motion.lawful_unit"] = np.where(measured.lawful.is_check, CHECK_LAWFUL.value, ODOMETER_LAWFUL.value)
+        if "odometry" in config.sources and config.odometry.single_fault_safe:
+            told = {f"front_{WHEEL}": (measured.odometer.distance_mm, measured.odometer.present)}
+            rear = f"odometry.rear_{WHEEL}_mm"
+            if rear in found:
+                told[f"rear_{WHEEL}"] = found[rear], found[f"{rear}.present"]
+            chosen["odometry.faulty_unit"] = faulty_wheel(config.odometry, self.vehicles.met, told)
+        return chosen
 
     def _of(self, columns: Columns) -> dict[str, Array]:
         return arrays_of(columns, self.system, self.vehicles.shape)
@@ -69,7 +90,7 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles, config = fleet.vehicles, fleet.vehicles.config.odometry
     made = simulate_shared(
         config, _odometry_system(config.model_dump_json()), vehicles.motions, vehicles.seeds, vehicles.passed_on("odometry"),
-        vehicles.first.markers, [measured.odometer, measured.check],
+        vehicles.first.markers, [measured.odometer, measured.check], vehicles.met, vehicles.maps,
     )  # fmt: skip
     return fleet.named("odometry", made)
 
@@ -77,8 +98,8 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
 def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles = fleet.vehicles
     antennas = [
-        Antenna(rng, 0, 0, 0.5, own)
-        for rng, own in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), strict=True)
+        Antenna(rng, 0, 0, 0.5, own, wrong)
+        for rng, own, wrong in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
     ]
     motions = [vehicles.motions.of(vehicle) for vehicle in range(len(antennas))]
     line = Line(vehicles.first.passed, vehicles.routes(), 5_000, fleet.libraries)
