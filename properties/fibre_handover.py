@@ -32,6 +32,7 @@ def properties(model: FibreHandover) -> list[Property]:
         *_other_trains(model),
         *_sent(model),
         *_direction(model),
+        *_either_way(model),
         *_on_the_way(model),
         *_reports(model),
         *_reached(model),
@@ -209,7 +210,7 @@ def _sent(model: FibreHandover) -> Iterator[Property]:
 
 
 def _direction(model: FibreHandover) -> Iterator[Property]:
-    """Claim the direction of a handover: as told until the record is sent, then kept; it can be either."""
+    """Claim the direction of a handover: as told until the record is sent, then kept."""
     of, border = model.composition.of, model.border.machine
     way, (before, *_) = of(border).num(border.mode), border.modes
     down, was_before = _down(model), earlier_bool(way.eq(before))
@@ -221,9 +222,13 @@ def _direction(model: FibreHandover) -> Iterator[Property]:
         "from then on it stays until the train is gone",
         requirements=BORDER,
     )
-    voice = model.speaker.machine
+
+
+def _either_way(model: FibreHandover) -> Iterator[Property]:
+    """Claim that trains of both directions can be taken over."""
+    voice, down = model.speaker.machine, _down(model)
     _, _, taking, both = voice.modes
-    mode = of(voice).num(voice.mode)
+    mode = model.composition.of(voice).num(voice.mode)
     for name, which in (("upwards", ~down), ("downwards", down)):
         yield reachable(
             f"a train is taken over {name}",
