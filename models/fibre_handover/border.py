@@ -84,7 +84,8 @@ class Parts:
         """Yield all rows."""
         before, offered, taken, lost = modes_
         down = self.down(current.eq(before))
-        here, way = self.here(down), {self.runs_down: down}
+        here = self.here(down)
+        way: Updates = {self.runs_down: down}
         longer = ite(self.sent_cycles < self.sent_cycles.high, self.sent_cycles + 1, self.sent_cycles)
         quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0, **way}
         over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.sent_cycles: 0, **way}
