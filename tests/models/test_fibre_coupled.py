@@ -27,9 +27,9 @@ MADE = ("BESIDE", "COUPLED", "DAMPED", "MORE_SENSITIVE", "LESS_SENSITIVE", "ELSE
 
 
 @cache
-def made(config: CoupledConfig = CONFIG) -> Fibre:
+def made() -> Fibre:
     """The machine in the world of coupling and material."""
-    return build_coupled(parts(config), config)
+    return build_coupled(parts(CONFIG), CONFIG)
 
 
 def recorded(name: str) -> Trace:
@@ -125,7 +125,7 @@ def test_claims_need_their_world() -> None:
 @pytest.mark.parametrize("config", [CONFIG, CoupledConfig(coupling_gain_cdb=1_100, damper_loss_cdb=1_100)])
 def test_everything_is_proved(config: CoupledConfig) -> None:
     """Each claim is inductive with the lemmas, also of sections as weak as may be."""
-    model = made(config)
+    model = build_coupled(parts(config), config)
     claims = [one for one in properties(model) if one.kind == "always"]
     assert 6 == len(claims)
     assert [] == [one.name for one in claims if not inductive(model.machine, one)]
