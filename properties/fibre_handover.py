@@ -31,6 +31,8 @@ def properties(model: FibreHandover) -> list[Property]:
         *_shared(model),
         *_other_trains(model),
         *_sent(model),
+        *_direction(model),
+        *_either_way(model),
         *_on_the_way(model),
         *_reports(model),
         *_reached(model),
@@ -86,11 +88,14 @@ def _both(model: FibreHandover) -> Iterator[Property]:
         statement="both areas report the position of a train only while it is in the stretch that they share",
         requirements=BORDER,
     )
+    lower, upper = truth <= exact_to(ends, NM), truth >= exact_to(begins, NM)
+    from_giving, from_taking, down = mode.one_of(giving, both), mode.one_of(taking, both), _down(model)
     yield under_assumption(
         "each area reports on its own stretch only",
-        (mode.one_of(giving, both).implies(truth <= exact_to(ends, NM)))
-        & (mode.one_of(taking, both).implies(truth >= exact_to(begins, NM))),
-        statement="the giving area never reports a train beyond the shared stretch, nor the taking one a train before it",
+        ((from_giving & ~down) | (from_taking & down)).implies(lower)
+        & ((from_taking & ~down) | (from_giving & down)).implies(upper),
+        statement="the area below never reports a train above the shared stretch, nor the area above one below it: the giving area is the lower "
+        "one of a train that runs up, and the upper one of a train that runs down",
         requirements=BORDER,
     )
 
@@ -192,15 +197,50 @@ def _sent(model: FibreHandover) -> Iterator[Property]:
     of, giving, border = model.composition.of, model.giving, model.border.machine
     on_the_way, (before, *_) = of(border).num(border.mode), border.modes
     gone = of(border).bool(model.border.own.gone)
-    near = of(giving.machine).num(interval(giving)[1]) >= of(border).num(model.border.own.shared_from)
-    may_be_here = _trusted(model, giving) & near
+    low, high = (of(giving.machine).num(bound) for bound in interval(giving))
+    begins, ends = (of(border).num(one) for one in (model.border.own.shared_from, model.border.own.shared_to))
+    may_be_here = _trusted(model, giving) & ((_down(model) & (low <= ends)) | (~_down(model) & (high >= begins)))
     sent = of(border).bool(border.fired("record is sent", "record arrives"))
     yield for_all_inputs(
         "a record goes over from the shared stretch on",
         sent.implies(may_be_here) & (may_be_here & ~gone).implies(on_the_way.ne(before)),
         statement="a record is first sent, or arrives, only while the giving area trusts the train and its front may have "
-        "come to the shared stretch; and from then on it is sent",
+        "come to the shared stretch, from below or from above; and from then on it is sent",
     )
+
+
+def _direction(model: FibreHandover) -> Iterator[Property]:
+    """Claim the direction of a handover: as told until the record is sent, then kept."""
+    of, border = model.composition.of, model.border.machine
+    way, (before, *_) = of(border).num(border.mode), border.modes
+    down, was_before = _down(model), earlier_bool(way.eq(before))
+    told = of(border).bool(model.border.own.train_runs_down)
+    yield for_all_inputs(
+        "a handover keeps its direction",
+        was_before.implies(down.iff(told)) & (~was_before).implies(down.iff(earlier_bool(down))),
+        statement="the direction is the one that is told in each cycle before the record is sent and in the cycle in which it is first sent; "
+        "from then on it stays until the train is gone",
+        requirements=BORDER,
+    )
+
+
+def _either_way(model: FibreHandover) -> Iterator[Property]:
+    """Claim that trains of both directions can be taken over."""
+    voice, down = model.speaker.machine, _down(model)
+    _, _, taking, both = voice.modes
+    mode = model.composition.of(voice).num(voice.mode)
+    for name, which in (("upwards", ~down), ("downwards", down)):
+        yield reachable(
+            f"a train is taken over {name}",
+            mode.one_of(taking, both) & which,
+            statement=f"a train that runs {name} can be taken over",
+            requirements=BORDER,
+        )
+
+
+def _down(model: FibreHandover) -> Bool:
+    """Return the condition that the handover is one of a train that runs downwards."""
+    return model.composition.of(model.border.machine).bool(model.border.own.runs_down)
 
 
 def _on_the_way(model: FibreHandover) -> Iterator[Property]:
@@ -234,14 +274,15 @@ def _reports(model: FibreHandover) -> Iterator[Property]:
     (low, high), (taking_low, taking_high) = (
         [of(one.machine).num(bound) for bound in interval(one)] for one in (model.giving, model.taking)
     )
-    giving = _trusted(model, model.giving) & (high <= ends)
-    taking = _trusted(model, model.taking) & (taking_low >= begins)
+    down = _down(model)
+    giving = _trusted(model, model.giving) & ((~down & (high <= ends)) | (down & (low >= begins)))
+    taking = _trusted(model, model.taking) & ((~down & (taking_low >= begins)) | (down & (taking_high <= ends)))
     apart = all_of([giving, taking, maximum(low, taking_low) > minimum(high, taking_high)])
     reported = of(voice.machine).bool(voice.machine.flag("given"))
     yield for_all_inputs(
         "each area that may report is heard",
         reported.iff((giving | taking) & ~apart),
-        statement="a position is reported whenever an area trusts the train within its own stretch of line, unless both do and exclude each other",
+        statement="a position is reported whenever an area trusts the train within its own stretch of line, which lies above the other one or below it by the direction, unless both do and exclude each other",
         requirements=CLAIM,
     )
     mine, mine_high = of(voice.machine).num(voice.low), of(voice.machine).num(voice.high)

@@ -18,8 +18,8 @@ The two ends of a train are two such machines; all sections between them are act
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 from safeloc.language.expr import (
     FALSE,
@@ -40,17 +40,32 @@ from safeloc.language.expr import (
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
+from safeloc.language.world import World
 from safeloc.models.fibre import variables as v
+from safeloc.models.fibre.coupled import BESIDE, CoupledConfig, Coupling, coupled_world, coupling, lowers, raises
 from safeloc.models.fibre.cycle import Cycle
 from safeloc.models.fibre.variables import FibreConfig, Parts, parts
 from safeloc.models.fibre.world import world
 from safeloc.models.vocabulary.absent import margin_if, position_if
 
-__all__ = ["Fibre", "FibreConfig", "build", "machine", "parts"]
+__all__ = ["CoupledConfig", "Fibre", "FibreConfig", "build", "build_coupled", "machine", "parts"]
 SEEN = ("FWG-1", "FWG-2", "FWG-3", "FWG-8", "FWG-11", "FWG-12", "FWG-13", "FWG-14")
 COUNTS = ("FWG-9",)
 CODE = ("FWG-10", "FWG-15")
 CHECKED = ("FWG-4", "FWG-5", "FWG-6", "FWG-7")
+_DOC = (
+    "Position of one end of a train from localization sections in a fibre. Assumed of the detector: the "
+    "measured run of a cycle is within rate and floor of the true run; when the amplitude changes, the "
+    "end has passed an edge since the last amplitude, within the edge's tolerance. Assumed of the "
+    "sections: sections near each other in number differ; each is as long as its kind says; any other "
+    "change that looks like the expected section lies farther away than the expectation window can "
+    "bridge. References and the map's answers are true. Any section may be missed, and false ones may "
+    "come."
+)
+_COUPLED_DOC = (
+    "The same machine of one end of a train. Assumed of coupling and material: by how much each kind of section changes the amplitude "
+    "that is received, and how even it is beside them. Nothing is assumed of runs, the map, references or code words."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +73,7 @@ class Fibre(Model[Parts]):
     """The machine together with the terms from which it was built; properties refer to these terms."""
 
     cycle: Cycle
+    coupling: Coupling | None = None
 
 
 def machine(config: FibreConfig | None = None) -> Machine:
@@ -67,30 +83,44 @@ def machine(config: FibreConfig | None = None) -> Machine:
 
 def build(own: Parts, name: str = "fibre") -> Fibre:
     """Return the machine over the given variables, for one end of a train."""
+    around = world(own)
+    return _built(own, name, lambda cycle, current, table: (around, _lemmas(own, cycle, current, table)), _DOC)
+
+
+def build_coupled(own: Parts, config: CoupledConfig) -> Fibre:
+    """Return the same machine in the world of coupling and material, which says when a section cannot be missed."""
+    fibre = coupling(own, config)
+
+    def around(cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> tuple[World, dict[str, Bool]]:
+        return coupled_world(fibre), {**_counts(own, cycle, current, table), **_heard(fibre)}
+
+    return replace(_built(own, "fibre_coupled", around, _COUPLED_DOC), coupling=fibre)
+
+
+def _built(
+    own: Parts,
+    name: str,
+    around: Callable[[Cycle, NumVar, tuple[Lit, ...]], tuple[World, dict[str, Bool]]],
+    doc: str,
+) -> Fibre:
+    """Return the machine in a world; `around` gives world and lemmas."""
     table = modes("WAITING", "COUNTING", "LOCATED", "FAULTED")
     current = current_mode(table)
     cycle = Cycle(own)
+    surroundings, lemmas = around(cycle, current, table)
     made = own.declared.machine(
         name=name,
         modes=table,
         outputs=_outputs(own, current, table),
         transitions=list(_table(own, cycle, table)),
-        world=world(own),
-        lemmas=_lemmas(own, cycle, current, table),
+        world=surroundings,
+        lemmas=lemmas,
         definitions={
             "position signal So": cycle.enters, "normal again": cycle.leaves, "signal fits the map": cycle.fits,
             "error F": cycle.error, "section overdue": cycle.overdue, "run in the section": cycle.inside,
             "interval without an edge": cycle.place,
         },
-        doc=(
-            "Position of one end of a train from localization sections in a fibre. Assumed of the detector: the "
-            "measured run of a cycle is within rate and floor of the true run; when the amplitude changes, the "
-            "end has passed an edge since the last amplitude, within the edge's tolerance. Assumed of the "
-            "sections: sections near each other in number differ; each is as long as its kind says; any other "
-            "change that looks like the expected section lies farther away than the expectation window can "
-            "bridge. References and the map's answers are true. Any section may be missed, and false ones may "
-            "come."
-        ),
+        doc=doc,
     )  # fmt: skip
     return Fibre(made, own, cycle)
 
@@ -255,6 +285,24 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
 # ------------------------------------------------------------------ lemmas
 
 
+def _counts(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
+    followed, inside = current.one_of(table[1], table[2]), own.band.ne(v.NORMAL)
+    return {
+        "a section can be uncounted": (inside & followed).implies(abs_(cycle.uncounted) <= own.config.section_limit),
+    }
+
+
+def _heard(fibre: Coupling) -> dict[str, Bool]:
+    """Return the lemmas that tie the amplitude's band to the section that was heard."""
+    band = fibre.own.band
+    return {
+        "beside the sections the band is normal": fibre.heard.eq(BESIDE).implies(band.eq(v.NORMAL)),
+        "a section never has the other one's band": all_of(
+            [raises(fibre.heard).implies(band.ne(v.LOWERED)), lowers(fibre.heard).implies(band.ne(v.RAISED))]
+        ),
+    }
+
+
 def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
     counting, located = current.eq(table[1]), current.eq(table[2])
     seen, inside = own.ghosts, own.band.ne(v.NORMAL)
@@ -267,9 +315,7 @@ def _lemmas(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
     onwards = ite(own.upwards, own.edge < own.far_edge, own.far_edge < own.edge)
     as_read = [own.long_by_map.iff(seen.long_on_map), onwards]
     return {
-        "a section can be uncounted": (inside & (counting | located)).implies(
-            abs_(cycle.uncounted) <= own.config.section_limit
-        ),
+        **_counts(own, cycle, current, table),
         "machine and world follow the same amplitude": all_of(
             [
                 own.band.eq(seen.band),

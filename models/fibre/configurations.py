@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from safeloc.config import Configurations
+from safeloc.models.fibre.coupled import CoupledConfig
 
 NEVER = {
     "models/fibre/cycle.py: self.inside - length from self._reads(0)": "turned back: a section of no length",
@@ -11,3 +12,14 @@ NEVER = {
 }
 "Case splits that no configuration makes live, with the reason."
 CONFIGURATIONS = Configurations({}, NEVER)
+COUPLED = Configurations(
+    {
+        "sections as weak as may be": CoupledConfig(
+            coupling_gain_cdb=1_100, damper_loss_cdb=1_100, material_gain_cdb=1_100, material_loss_cdb=1_100
+        ),
+        "rods to the rail and a guide of ten times the answer": CoupledConfig(
+            coupling_gain_cdb=1_800, material_gain_cdb=2_000
+        ),
+    },
+    {split: reason for split, reason in NEVER.items() if split.startswith("models/")},
+)

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from safeloc.models import fibre
-from safeloc.models.fibre import FibreConfig
-from safeloc.models.fibre.configurations import CONFIGURATIONS
+from safeloc.models.fibre import CoupledConfig, FibreConfig
+from safeloc.models.fibre.configurations import CONFIGURATIONS, COUPLED
 from safeloc.models.fibre.picture import picture
 from safeloc.properties import fibre as claims
+from safeloc.properties.fibre import coupled as coupled_claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Pair, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: FibreConfig) -> Target:
@@ -20,6 +21,18 @@ def target(config: FibreConfig) -> Target:
     model = fibre.build(fibre.parts(config))
     properties, simulate = claims.properties(model), partial(_simulated, config)
     return single(model.machine, properties, config, reported=Reported(), simulate=simulate, pictures=(picture(),))
+
+
+def coupled(config: CoupledConfig) -> Target:
+    """Make the machine in the world of coupling and material."""
+    model = fibre.build_coupled(fibre.parts(config), config)
+    return single(model.machine, coupled_claims.properties(model), config, simulate=partial(_coupled_run, config))
+
+
+def _coupled_run(config: CoupledConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    from safeloc.models.fibre.coupled_runs import simulate  # numpy is loaded only where something is simulated
+
+    return simulate(config, seed=seed)
 
 
 def _simulated(config: FibreConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
@@ -44,5 +57,22 @@ ENTRIES = (
             Pair("change of a section beside normal scatter", "return_cdb:down", "change_cdb:up"),
         ),
         configurations=CONFIGURATIONS,
+    ),
+    Entry(
+        "fibre_coupled",
+        "the same, by coupling and material of its sections",
+        CoupledConfig,
+        coupled,
+        Family.FIBRE,
+        place=12,
+        configurations=COUPLED,
+        no_interval="Its world speaks of the amplitude alone; the interval of the same machine is that of `fibre`.",
+        hazard=Hazard(
+            "a section is entered without a signal, or a signal comes beside the sections",
+            (
+                "a section that is entered makes a signal",
+                "no signal without a section",
+            ),
+        ),
     ),
 )

@@ -6,10 +6,11 @@
     speaker the choice of the area that reports the position                  fibre_handover.speaker
 
 The taking area has no axle counter at the border: its reference is the record against which the giving area verified,
-sent while that area trusts the train. A record that does not arrive is a reference that was due and did not come.
+sent while that area trusts the train. A record that does not arrive is a reference that was due and did not come. The train may run
+either way: if it runs down, the giving area lies above.
 
 Inputs of a cycle: all of models.verification for `giving` and for `taking`, but for the latter's record (count, length and
-place), its being due and its sender, which are wired; `border.record_arrives`, `border.train_gone`.
+place), its being due and its sender, which are wired; `border.record_arrives`, `border.train_gone`, `border.train_runs_down`.
 Outputs: `speaker.given`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, and those of the other machines by their names.
 """
 
@@ -80,10 +81,12 @@ def joined(
     wires: dict[Var, Expr] = {
         between.own.giving_trusts: giving.machine.flag("trusted"),
         between.own.giving_distrusts: giving.machine.flag("untrusted"),
+        between.own.low: interval(giving)[0],
         between.own.high: interval(giving)[1],
         **_taking_wires(giving, between, taking),
         voice.shared_from: between.own.shared_from,
         voice.shared_to: between.own.shared_to,
+        voice.downwards: between.own.runs_down,
     }
     for side, verified in ((voice.giving, giving), (voice.taking, taking)):
         low, high = interval(verified)

@@ -1,6 +1,7 @@
 """The border between two areas: the record that goes over with a train, or is lost (FVA-D1).
 
-Both areas see a shared stretch of line around their border. The train runs from the giving area into the taking one.
+Both areas see a shared stretch of line around their border. The train runs from the giving area into the taking one: upwards, or
+downwards if the giving area lies above. The direction is taken over until the record is sent, and kept until the train is gone.
 
     BEFORE   the train has not come to the shared stretch, as far as is known
     OFFERED  it has: its record is sent in every cycle in which the giving area trusts it, until it arrives
@@ -19,6 +20,7 @@ from safeloc.language.expr import (
     TRUE,
     Bool,
     Lit,
+    NumVar,
     boolean,
     choice,
     enumeration,
@@ -44,9 +46,11 @@ class Parts:
     """The variables of the machine.
 
     shared_from, shared_to     the shared stretch: fixed, any two places
-    giving_trusts, giving_distrusts, high  the giving area's verification: trusted, a mismatch; upper bound of the front
+    giving_trusts, giving_distrusts, low, high  the giving area's verification: trusted, a mismatch; bounds of the front
+    train_runs_down  the train runs downwards, so the giving area lies above the taking one
     arrives          the record that is sent arrives in this cycle
     gone             the train has left the giving area, or is given up there
+    runs_down        the direction of the hand-over: as told last before the record was sent
     sent_cycles           cycles since the record was first sent
     due, source, sound  messages to the taking area's verification
     """
@@ -55,32 +59,41 @@ class Parts:
         self.declared = declared = Declared()
         self.giving_trusts = declared.sensor(boolean("giving_trusts"))
         self.giving_distrusts = declared.sensor(boolean("giving_distrusts"))
+        self.low = declared.sensor(number("front_low_mm", MM, -far_mm, far_mm))
         self.high = declared.sensor(number("front_high_mm", MM, -far_mm, far_mm))
+        self.train_runs_down = declared.sensor(boolean("train_runs_down"))
         self.arrives = declared.sensor(boolean("record_arrives"))
         self.gone = declared.sensor(boolean("train_gone"))
         self.shared_from = declared.state(number("shared_from_mm", MM, -far_mm, far_mm), first=ANY)
         self.shared_to = declared.state(number("shared_to_mm", MM, -far_mm, far_mm), first=ANY)
+        self.runs_down = declared.state(boolean("runs_down"), first=False)
         self.sent_cycles = declared.state(number("sent_cycles", COUNT, 0, config.wait_cycles), first=0)
         self.due = declared.state(boolean("due"), first=False)
         self.source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
         self.sound = declared.state(boolean("record_sound"), first=False)
 
-    @property
-    def here(self) -> Bool:
-        """The giving area trusts the train, and it may have come to the shared stretch."""
-        return self.giving_trusts & (self.high >= self.shared_from)
+    def down(self, is_before: Bool) -> Bool:
+        """Return the direction: as told in this cycle before the record is sent, and as kept from then on."""
+        return ite(is_before, self.train_runs_down, self.runs_down)
 
-    def table(self, modes_: tuple[Lit, ...]) -> Iterator[Transition]:
+    def here(self, down: Bool) -> Bool:
+        """Return the condition that the giving area trusts the train, and that it may have come to the shared stretch."""
+        return self.giving_trusts & ite(down, self.low <= self.shared_to, self.high >= self.shared_from)
+
+    def table(self, modes_: tuple[Lit, ...], current: NumVar) -> Iterator[Transition]:
         """Yield all rows."""
         before, offered, taken, lost = modes_
+        down = self.down(current.eq(before))
+        here = self.here(down)
+        way: Updates = {self.runs_down: down}
         longer = ite(self.sent_cycles < self.sent_cycles.high, self.sent_cycles + 1, self.sent_cycles)
-        quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0}
-        over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.sent_cycles: 0}
-        missing: Updates = {self.due: TRUE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0}
-        sent: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: longer}
+        quiet: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0, **way}
+        over: Updates = {self.due: TRUE, self.source: NEIGHBOUR, self.sound: TRUE, self.sent_cycles: 0, **way}
+        missing: Updates = {self.due: TRUE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: 0, **way}
+        sent: Updates = {self.due: FALSE, self.source: NOBODY, self.sound: FALSE, self.sent_cycles: longer, **way}
         late = self.sent_cycles >= self.sent_cycles.high
         yield Transition("train is gone", modes_, before, self.gone, quiet, REQUIREMENTS, 0)
-        yield Transition("record arrives", (before, offered), taken, self.here & self.arrives, over, REQUIREMENTS, 1)
+        yield Transition("record arrives", (before, offered), taken, here & self.arrives, over, REQUIREMENTS, 1)
         yield Transition(
             "trust lost on the way",
             offered,
@@ -91,7 +104,7 @@ class Parts:
             1,
         )
         yield Transition("record lost on the way", offered, lost, late, missing, REQUIREMENTS, 2)
-        yield Transition("record is sent", before, offered, self.here, sent, REQUIREMENTS, 3)
+        yield Transition("record is sent", before, offered, here, sent, REQUIREMENTS, 3)
         yield Transition("record is sent again", offered, offered, TRUE, sent, REQUIREMENTS, 3)
         for mode, name in ((before, "not there yet"), (taken, "taken over"), (lost, "hand-over is lost")):
             yield Transition(name, mode, mode, TRUE, quiet, REQUIREMENTS, 4)
@@ -119,9 +132,9 @@ def build(own: Parts) -> Border:
             "handover_lost": current.eq(table[3]),
             "sent_cycles_ago": own.sent_cycles,
         },
-        transitions=list(own.table(table)),
+        transitions=list(own.table(table, current)),
         initially=own.shared_from <= own.shared_to,
         lemmas={"the shared stretch is in order": own.shared_from <= own.shared_to},
-        doc="Hand-over of a train's record between two neighbouring areas that share a stretch of line.",
+        doc="Hand-over of a train's record, in either direction, between two neighbouring areas that share a stretch of line.",
     )
     return Border(machine, own)

@@ -5,8 +5,9 @@
     TAKING  the area into which it runs: it trusts the train, which has certainly come to the shared stretch
     BOTH    both areas report it; the output is the intersection of their intervals
 
-An area reports a position only if the whole interval lies in its own stretch of line. So both report a position only of a
-train that is in the shared stretch; if their intervals have nothing in common, no position is reported.
+An area reports a position only if the whole interval lies in its own stretch of line. Of a train that runs upwards, the giving area
+reports up to the end of the shared stretch, and the taking one from its beginning on; downwards it is the other way round. So both
+report a position only of a train that is in the shared stretch; if their intervals have nothing in common, no position is reported.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from safeloc.language.expr import (
     as_num,
     boolean,
     floor_div,
+    ite,
     maximum,
     minimum,
     number,
@@ -47,13 +49,14 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Speaker:
-    """The machine and its variables; the shared stretch comes from the border; low and high bound the reported interval."""
+    """The machine and its variables; shared stretch and direction come from the border; low and high bound the reported interval."""
 
     machine: Machine
     giving: Side
     taking: Side
     shared_from: NumVar
     shared_to: NumVar
+    downwards: BoolVar
     low: NumVar
     high: NumVar
 
@@ -64,6 +67,7 @@ def speaker(far_mm: int) -> Speaker:
     giving, taking = (_side(declared, side, far_mm) for side in ("giving", "taking"))
     begins = declared.sensor(number("shared_from_mm", MM, -far_mm, far_mm))
     ends = declared.sensor(number("shared_to_mm", MM, -far_mm, far_mm))
+    downwards = declared.sensor(boolean("downwards"))
     low = declared.state(number("given_low_mm", MM, -far_mm, far_mm), first=0)
     high = declared.state(number("given_high_mm", MM, -far_mm, far_mm), first=0)
     table = modes("NOBODY", "GIVING", "TAKING", "BOTH")
@@ -72,10 +76,27 @@ def speaker(far_mm: int) -> Speaker:
         name="speaker",
         modes=table,
         outputs={"given": current.ne(table[0]), **_interval(current.ne(table[0]), low, high)},
-        transitions=list(_table(table, giving, taking, begins, ends, (low, high))),
+        transitions=list(
+            _table(table, giving, taking, _own_stretches(giving, taking, begins, ends, downwards), (low, high))
+        ),
         doc="Choice between two neighbouring areas for the report of a train's position.",
     )
-    return Speaker(machine, giving, taking, begins, ends, low, high)
+    return Speaker(machine, giving, taking, begins, ends, downwards, low, high)
+
+
+def _own_stretches(giving: Side, taking: Side, begins: NumVar, ends: NumVar, downwards: Bool) -> tuple[Bool, Bool]:
+    """Return the conditions that each area trusts the train, and that its whole interval lies in its own stretch of line."""
+
+    def lower(side: Side) -> Bool:
+        return side.high <= ends
+
+    def upper(side: Side) -> Bool:
+        return side.low >= begins
+
+    return (
+        giving.trusts & ite(downwards, upper(giving), lower(giving)),
+        taking.trusts & ite(downwards, lower(taking), upper(taking)),
+    )
 
 
 def _side(declared: Declared, name: str, far_mm: int) -> Side:
@@ -97,18 +118,18 @@ def _interval(given: Bool, low: NumVar, high: NumVar) -> dict[str, Expr]:
 
 
 def _table(
-    table: tuple[Lit, ...], giving: Side, taking: Side, begins: NumVar, ends: NumVar, given: tuple[NumVar, NumVar]
+    table: tuple[Lit, ...], giving: Side, taking: Side, own: tuple[Bool, Bool], given: tuple[NumVar, NumVar]
 ) -> Iterator[Transition]:
     nobody, first, second, both = table
-    before, beyond = giving.trusts & (giving.high <= ends), taking.trusts & (taking.low >= begins)
+    mine, theirs = own
     low, high = maximum(giving.low, taking.low), minimum(giving.high, taking.high)
 
     def row(name: str, target: Lit, when: Bool, bounds: tuple[Expr, Expr], rank: int) -> Transition:
         return Transition(name, table, target, when, dict(zip(given, bounds, strict=True)), REQUIREMENTS, rank)
 
     none = as_num(0, MM)
-    yield row("both agree", both, before & beyond & (low <= high), (low, high), 0)
-    yield row("both contradict each other", nobody, before & beyond & (low > high), (none, none), 0)
-    yield row("the giving area reports", first, before & ~beyond, (giving.low, giving.high), 0)
-    yield row("the taking area reports", second, ~before & beyond, (taking.low, taking.high), 0)
+    yield row("both agree", both, mine & theirs & (low <= high), (low, high), 0)
+    yield row("both contradict each other", nobody, mine & theirs & (low > high), (none, none), 0)
+    yield row("the giving area reports", first, mine & ~theirs, (giving.low, giving.high), 0)
+    yield row("the taking area reports", second, ~mine & theirs, (taking.low, taking.high), 0)
     yield row("neither area reports", nobody, TRUE, (none, none), 1)

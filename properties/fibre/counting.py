@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import all_of, as_num, before, ite, minimum, was
+from safeloc.language.expr import Bool, all_of, as_num, before, ite, minimum, was
 from safeloc.language.spec import Property, always
 from safeloc.language.units import COUNT
 from safeloc.models.fibre import COUNTS, SEEN, Fibre
@@ -148,17 +148,23 @@ def _band(model: Fibre) -> Iterator[Property]:
     )
 
 
+def tells_changes(model: Fibre) -> Bool:
+    """Return the condition that a change of the amplitude in this cycle is told: followed, within the tolerance, and no reference comes."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
+    waiting, _, _, faulted = machine.modes
+    referred = own.reference_accepted & seen.normal
+    kept = ~referred & ~seen.lost & ~seen.full
+    hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
+    return hears & ~seen.late & ~referred
+
+
 def _changes(model: Fibre) -> Iterator[Property]:
     """Claim the changes of the amplitude that are position signals."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, counting, _, faulted = machine.modes
-    kept = ~(own.reference_accepted & seen.normal) & ~seen.lost & ~seen.full
-    hears = before(machine.mode).eq(waiting) | (before(machine.mode).ne(faulted) & kept)
+    waiting, counting, *_ = machine.modes
     yield for_all_inputs(
         "a rise or a fall is a signal",
-        (hears & seen.changes & ~seen.late & ~(own.reference_accepted & seen.normal)).implies(
-            own.event.eq(v.POSITION_SIGNAL)
-        ),
+        (tells_changes(model) & seen.changes).implies(own.event.eq(v.POSITION_SIGNAL)),
         statement="whenever the amplitude leaves normal, upwards or downwards, a position signal arises in that cycle; "
         "unless the amplitude was absent for so long, or always, that the place of the change is unknown",
     )

@@ -55,19 +55,23 @@ def made() -> FibreHandover:
     return compose_machines(CONFIG)
 
 
-def handed_over(*, arrives: int | None, unheard: tuple[int, ...] = (), **stay: int) -> Trace:
-    """A train that runs 12.5 m a cycle through the shared stretch.
+def handed_over(*, arrives: int | None, unheard: tuple[int, ...] = (), downwards: bool = False, **stay: int) -> Trace:
+    """A train that runs 12.5 m a cycle through the shared stretch, upwards or downwards.
 
     arrives  from which cycle on a record gets through; unheard: cycles in which the giving area hears no pattern
     """
     steps: list[dict[str, Cell]] = []
-    for cycle, heard in enumerate(simulate_stay(CONFIG.verification, seed=1, stay=Stay(cycles=CYCLES, **stay))):
+    speed = Stay.speed_mm_s * (-1 if downwards else 1)
+    for cycle, heard in enumerate(
+        simulate_stay(CONFIG.verification, seed=1, stay=Stay(cycles=CYCLES, speed_mm_s=speed, **stay))
+    ):
         step: dict[str, Cell] = {f"giving.{name}": cell for name, cell in heard.items() if name != "truth_mm"}
         step |= {f"taking.{name}": cell for name, cell in heard.items() if name not in {*WIRED, "truth_mm"}}
         step["giving.associated"] = cycle not in unheard
         through = arrives is not None and cycle >= arrives
-        steps.append(step | {"border.record_arrives": through, "border.train_gone": cycle == CYCLES - 1})
-    begins, ends = SHARED_MM
+        step |= {"border.record_arrives": through, "border.train_gone": cycle == CYCLES - 1}
+        steps.append(step | {"border.train_runs_down": downwards})
+    begins, ends = (-SHARED_MM[1], -SHARED_MM[0]) if downwards else SHARED_MM
     first: dict[str, Value] = {"border.shared_from_mm": begins, "border.shared_to_mm": ends}
     trace = run(made().composition.system, steps, first=first)
     assert not [one for one in check_all(trace, properties(made())) if isinstance(one, Violated)]
@@ -86,16 +90,18 @@ def taking(trace: Trace) -> list[str]:
     return [one for number, one in enumerate(said) if number == 0 or said[number - 1] != one]
 
 
-def test_a_train_goes_over() -> None:
-    """The giving area speaks, then both in the shared stretch, then the taking one alone."""
-    trace = handed_over(arrives=0)
+@pytest.mark.parametrize("downwards", [False, True])
+def test_a_train_goes_over(*, downwards: bool) -> None:
+    """The giving area speaks, then both in the shared stretch, then the taking one alone: in either direction."""
+    trace = handed_over(arrives=0, downwards=downwards)
     assert speakers(trace) == ["NOBODY", "GIVING", "BOTH", "TAKING", "NOBODY"]
     assert trace.steps[-2].outputs["taking.trusted"]
 
 
-def test_a_lost_record() -> None:
+@pytest.mark.parametrize("downwards", [False, True])
+def test_a_lost_record(*, downwards: bool) -> None:
     """A record that never arrives: untrusted in the taking area; beyond the shared stretch neither area reports."""
-    trace = handed_over(arrives=None)
+    trace = handed_over(arrives=None, downwards=downwards)
     assert taking(trace) == ["NO_REFERENCE", "UNTRUSTED", "NO_REFERENCE"]
     assert speakers(trace) == ["NOBODY", "GIVING", "NOBODY"]
 
@@ -119,6 +125,18 @@ def test_a_train_unheard_on_the_way() -> None:
     ways = [made().border.machine.modes[int(step.state["border.mode"])].label for step in trace.steps]
     assert [ways[cycle] for cycle in (22, 24, 25, 26)] == ["BEFORE", "OFFERED", "OFFERED", "TAKEN"]
     assert taking(trace)[:2] == ["NO_REFERENCE", "TRUSTED"]
+
+
+def test_the_next_train_may_run_the_other_way() -> None:
+    """The direction is kept until the train is gone, and taken anew for the next one."""
+    system = made().composition.system
+    steps = [dict(step.inputs) for step in handed_over(arrives=0).steps]
+    told = [cycle == 30 or cycle == CYCLES for cycle in range(CYCLES + 1)]
+    steps = [step | {"border.train_runs_down": down} for step, down in zip([*steps, steps[0]], told, strict=True)]
+    trace = run(system, steps, first={"border.shared_from_mm": SHARED_MM[0], "border.shared_to_mm": SHARED_MM[1]})
+    kept = [bool(step.state["border.runs_down"]) for step in trace.steps]
+    assert (False, True) == (any(kept[:CYCLES]), kept[CYCLES])
+    assert ["NOBODY", "GIVING", "BOTH", "TAKING", "NOBODY"] == speakers(trace)
 
 
 @pytest.mark.thorough

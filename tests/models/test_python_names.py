@@ -14,7 +14,7 @@ from pathlib import Path
 MODELS = Path(__file__).parents[2] / "models"
 _MAKERS = {"number", "boolean", "choice", "optional"}
 _ROLES = {"sensor", "state", "ghost", "choice"}
-_UNIT = re.compile(r"_(mm_s2|mm_s|um_s|mm2_s2|mm2|um|nm|mm|ms|s|cycles|permille|ppm|mrad|cdb)$")
+_UNIT = re.compile(r"_(ps|mm_s2|mm_s|um_s|mm2_s2|mm2|um|nm|mm|ms|s|cycles|permille|ppm|mrad|cdb)$")
 _ALONE = "the variable has the group's name alone"
 _KEYWORD = "`from` is a word of Python"
 _READINGS = "one word for every reading that is compared, whatever device it comes from"

@@ -326,6 +326,8 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_handover", cut("taking.record_axles"), "the record that arrives is the giving area's"),
     ("fibre_handover", cut("taking.reference_from"), "the record that arrives is the giving area's"),
     ("fibre_handover", cut("speaker.taking_trusts"), "each area that may report is heard"),
+    ("fibre_handover", cut("speaker.downwards"), "each area that may report is heard"),
+    ("fibre_handover", cut("border.front_low_mm"), "a record goes over from the shared stretch on"),
     ("fibre_handover", _no_shared_stretch, "each area that may report is heard"),
     ("fibre_handover", _wider_of_both, "what is reported is what the areas have in common"),
     ("localizer", _satellites_unheard, "arbitration hears what each source states"),
