@@ -66,11 +66,20 @@ class LineVehicle:
             first_unit=self._law("wheel"),
             second_unit=self._law("radar"),
             tolerance_mm=self.layout.tolerance_mm,
-            vehicle_length_mm=self.motion.length_mm,
-            max_speed_mm_s=self._gate_mm_s,
-            max_acceleration_mm_s2=self._gate_mm_s2,
             trust_first_marker=self.trust_first,
+            **self._readers(),
         )
+
+    def _readers(self) -> dict[str, int]:
+        """Return the figures of the marker readers that the line is audited for; without them those of the movement."""
+        assert self.layout is not None
+        if self.layout.markers is not None:
+            return self.layout.markers.model_dump(exclude={"groups_are_markers"})
+        return {
+            "vehicle_length_mm": self.motion.length_mm,
+            "max_speed_mm_s": self._gate_mm_s,
+            "max_acceleration_mm_s2": self._gate_mm_s2,
+        }
 
     def balise(self) -> BaliseConfig:
         """Return the configuration with antenna, accuracies and error law of the vehicle."""
