@@ -10,6 +10,7 @@ from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.route.variables import RouteConfig
@@ -47,6 +48,11 @@ class LineVehicle:
     def detection_mm(self) -> int:
         """Detection accuracy of a balise, mm."""
         return (self.layout or LayoutConfig()).detection_accuracy_mm
+
+    @property
+    def readers(self) -> MarkerReaders:
+        """Its marker readers; without figures of its own those of the odometry machine."""
+        return (self.layout or LayoutConfig()).readers
 
     @property
     def radar_error_mm(self) -> int:
