@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import networkx as nx
+
 from safeloc.language.expr import as_num
 from safeloc.language.interpret import evaluate
 from safeloc.language.units import MM, NM, NM_PER_MM
@@ -77,6 +79,20 @@ class Pair:
 
 
 @dataclass(frozen=True)
+class _Back:
+    """The next piece of a way back: a run, how far its end is from the goal, and the runs that have to come before it.
+
+    found   what was found nearer to the goal; beyond: the runs that were passed where nothing keeps the position any more
+    """
+
+    run: Run
+    end: int
+    forced: tuple[Run, ...]
+    found: tuple[Origin, ...] = ()
+    beyond: frozenset[Run] = frozenset()
+
+
+@dataclass(frozen=True)
 class Way:
     """A way that leads to a goal: what may keep the position, from the nearest on, as far as it was followed."""
 
@@ -125,12 +141,20 @@ class Readings:
     # ------------------------------------------------------------------ goals
 
     def goals(self) -> Iterator[Goal]:
-        """Yield every reading by either reader, and every way off the map."""
+        """Yield every reading by either reader, every way off the map, and the joints in loops."""
         for mark, run, offset in self.everywhere():
             yield Goal(run, offset, mark.name, mark)
             yield from self._trailing(mark, run, offset)
         for run in self.walk.topology.exits():
             yield Goal(run, self.walk.topology.length_mm(run), "the end of the map")
+        yield from self._in_loops()
+
+    def _in_loops(self) -> Iterator[Goal]:
+        """Yield the end of each run that a vehicle may come back to, since a loop may have no marker and no way off the map."""
+        topology = self.walk.topology
+        for part in nx.strongly_connected_components(topology.graph):
+            for run in sorted(part) if len(part) > 1 else ():
+                yield Goal(run, topology.length_mm(run), f"the joint at {topology.end(run)}")
 
     def _trailing(self, mark: Mark, run: Run, offset: int) -> Iterator[Goal]:
         open_: list[tuple[tuple[Run, ...], int]] = [((run,), offset + self.layout.readers.vehicle_length_mm)]
@@ -155,30 +179,22 @@ class Readings:
         enough_mm  a way is followed no farther once something has so much to spare; None: always as far as that
         """
         topology, done = self.walk.topology, set[tuple[Run, int, int]]()
-        forced = list(goal.path[:-1])
-        open_: list[tuple[Run, int, list[Run], tuple[Origin, ...]]] = [
-            (goal.run, goal.offset_mm - topology.length_mm(goal.run), forced, ())
-        ]
+        open_ = [_Back(goal.run, goal.offset_mm - topology.length_mm(goal.run), goal.path[:-1])]
         while open_:
-            run, end, forced, found = open_.pop()
-            found = (*found, *self._on(goal, run, end))
-            start, before = end + topology.length_mm(run), forced[-1:] or topology.before(run)
+            one = open_.pop()
+            found, start = (*one.found, *self._on(goal, one.run, one.end)), one.end + topology.length_mm(one.run)
+            before = one.forced[-1:] or tuple(topology.before(one.run))
             if not before:
-                found = (*found, self._entry(goal, run, start))
-            spare = max((one.spare_mm for one in found), default=-UNBOUNDED)
-            known = (run, start, spare if enough_mm is not None else hash(found))
-            beyond = start > self.window_mm
-            if known in done or (beyond and (run, UNBOUNDED, 0) in done):
-                if not found:
-                    yield Way((self._never(goal),))
-                continue
-            done.add(known)
-            if beyond:
-                done.add((run, UNBOUNDED, 0))
+                found = (*found, self._entry(goal, one.run, start))
+            spare, beyond = max((each.spare_mm for each in found), default=-UNBOUNDED), start > self.window_mm
             if not before or (found and beyond) or (enough_mm is not None and spare >= enough_mm):
                 yield Way(found)
-            else:
-                open_ += [(one, start, forced[:-1], found) for one in before]
+            elif beyond and one.run in one.beyond:
+                yield Way((self._never(goal),))
+            elif (known := (one.run, -1, 0) if beyond else (one.run, start, hash(found))) not in done:
+                done.add(known)
+                passed = one.beyond | {one.run} if beyond else one.beyond
+                open_ += [_Back(each, start, one.forced[:-1], found, passed) for each in before]
 
     @cached_property
     def window_mm(self) -> int:
@@ -244,18 +260,19 @@ class Readings:
                     if 0 <= start + place <= reach_mm and second is not first and second.element != first.element:
                         yield Pair(first, second, here, place, start + place)
 
-    def under_the_vehicle(self, mark: Mark, run: Run, offset: int) -> int:
-        """Return how many markers may be under the vehicle on some route when its leading reader passes this one, which counts too."""
+    def under_the_vehicle(self, mark: Mark, run: Run, offset: int) -> tuple[Mark, ...]:
+        """Return the most markers that may be under the vehicle on one route when its leading reader passes this one, which counts too."""
         readers = self.layout.readers
         long = readers.vehicle_length_mm + readers.vehicle_length_tolerance_mm + mark.accuracy_mm
-        most, open_ = 0, [(run, offset - self.walk.topology.length_mm(run), 0)]
-        done = set[tuple[Run, int, int]]()
+        most: tuple[Mark, ...] = ()
+        open_: list[tuple[Run, int, tuple[Mark, ...]]] = [(run, offset - self.walk.topology.length_mm(run), ())]
+        done = set[tuple[Run, int, tuple[Mark, ...]]]()
         while open_:
-            here, end, count = open_.pop()
+            here, end, under = open_.pop()
             length = self.walk.topology.length_mm(here)
-            count += sum(0 < end + length - at < long + one.accuracy_mm for at, one in self.marks[here])
-            most = max(most, count)
-            if end + length < long + self.widest_mm // 2 and (here, end, count) not in done:
-                done.add((here, end, count))
-                open_ += [(before, end + length, count) for before in self.walk.topology.before(here)]
-        return most + 1
+            under += tuple(one for at, one in self.marks[here] if 0 < end + length - at < long + one.accuracy_mm)
+            most = max(most, under, key=len)
+            if end + length < long + self.widest_mm // 2 and (here, end, under) not in done:
+                done.add((here, end, under))
+                open_ += [(before, end + length, under) for before in self.walk.topology.before(here)]
+        return (*most, mark)

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import chain
-
-import networkx as nx
-
 from safeloc.railway.audit.findings import Ledger
-from safeloc.railway.audit.marker_readings import Goal, Pair, Readings
+from safeloc.railway.audit.marker_readings import Pair, Readings
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.map.walk import Walk
 
@@ -16,7 +11,7 @@ from safeloc.railway.map.walk import Walk
 def check_markers(walk: Walk, rules: Rules, ledger: Ledger) -> None:
     """Check every reading of a marker, and every way off the map, on all ways that lead to it; then the markers themselves."""
     readings = Readings(walk, rules)
-    for goal in chain(readings.goals(), _in_loops(walk)):
+    for goal in readings.goals():
         worst = readings.worst(goal)
         ledger.check(
             rules.marker_stretch,
@@ -26,13 +21,6 @@ def check_markers(walk: Walk, rules: Rules, ledger: Ledger) -> None:
         )
     _one_by_one(readings, rules, ledger)
     _waiting(readings, rules, ledger)
-
-
-def _in_loops(walk: Walk) -> Iterator[Goal]:
-    """Yield the end of each run that a vehicle may come back to, since a loop may have no marker and no way off the map."""
-    for part in nx.strongly_connected_components(walk.topology.graph):
-        for run in sorted(part) if len(part) > 1 else ():
-            yield Goal(run, walk.topology.length_mm(run), f"the joint at {walk.topology.end(run)}")
 
 
 def _one_by_one(readings: Readings, rules: Rules, ledger: Ledger) -> None:
@@ -59,5 +47,5 @@ def _waiting(readings: Readings, rules: Rules, ledger: Ledger) -> None:
             rules.markers_waiting,
             readings.walk.place(run, offset),
             f"{mark.name} and those behind it, {run.direction}",
-            under_the_vehicle=readings.under_the_vehicle(mark, run, offset),
+            under_the_vehicle=len(readings.under_the_vehicle(mark, run, offset)),
         )
