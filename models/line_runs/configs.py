@@ -68,13 +68,13 @@ class LineVehicle:
         """Return the configuration: both units of a device have the law of the vehicle's odometry."""
         if self.layout is None:
             return OdometryConfig(trust_first_marker=self.trust_first)
-        return OdometryConfig(
-            first_unit=self._law("wheel"),
-            second_unit=self._law("radar"),
-            tolerance_mm=self.layout.tolerance_mm,
-            trust_first_marker=self.trust_first,
-            **self._readers(),
-        )
+        figures = {
+            "first_unit": self._law("wheel"),
+            "second_unit": self._law("radar"),
+            "tolerance_mm": self.layout.tolerance_mm,
+            "trust_first_marker": self.trust_first,
+        }
+        return OdometryConfig.model_validate({**figures, **self._readers()})
 
     def _readers(self) -> dict[str, int]:
         """Return the figures of the marker readers that the line is audited for; without them those of the movement."""

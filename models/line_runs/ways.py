@@ -39,7 +39,7 @@ def identities(line: Line) -> dict[str, int]:
     return {group.id: number for number, group in enumerate(line.balise_groups, 1)}
 
 
-def marker_identities(line: Line) -> dict[str, int]:
+def _marker_identities(line: Line) -> dict[str, int]:
     """Return marker -> its number on board: its identity, unless a group has the same one; then they count on from the groups' numbers."""
     taken = set(identities(line).values())
     if taken.isdisjoint(one.identity for one in line.markers):
@@ -78,7 +78,7 @@ def accuracies(route: Route, national_mm: int, detection_mm: int, readers: Marke
 
 def _read(route: Route, readers: MarkerReaders) -> Iterator[tuple[int, int, elements.Marker | elements.BaliseGroup]]:
     line = route.topology.line
-    of_groups, of_markers = identities(line), marker_identities(line)
+    of_groups, of_markers = identities(line), _marker_identities(line)
     for met in route.objects():
         if isinstance(met.element, elements.Marker):
             yield met.position_mm, of_markers[met.element.id], met.element

@@ -16,7 +16,6 @@ from safeloc.railway.audit.marker_readings import Readings
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.design.designing import Design
 from safeloc.railway.design.held_by_markers import HeldRun, followed, held_run
-from safeloc.railway.design.held_by_markers import broken_beyond as lost_beyond
 from safeloc.railway.design.held_by_markers import proof_of as run_proof
 from safeloc.railway.design.held_stretch import HeldStretch, broken_beyond, proof_of, watched
 from safeloc.railway.map.toml_files import from_toml, to_toml
@@ -81,4 +80,4 @@ def _held_by_odometry(found: Design, config: OdometryConfig, limits: Limits) -> 
             front, rear = (followed(config, end, accuracy) for end in (0, 1))
             verdicts = [word(run_proof(one, held.run_mm, limits)) for one in (front, rear)]
             verdict = next((one for one in verdicts if one != "proved"), "proved")
-            yield Held("odometry", "marker", held, verdict, lost_beyond(rear, held))
+            yield Held("odometry", "marker", held, verdict, broken_beyond(rear, held))

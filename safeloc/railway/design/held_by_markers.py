@@ -27,7 +27,7 @@ from safeloc.language.expr import (
     number,
     with_unit,
 )
-from safeloc.language.interpret import evaluate, start, taken
+from safeloc.language.interpret import evaluate
 from safeloc.language.machine import Machine
 from safeloc.language.spec import always, observe
 from safeloc.language.system import TransitionSystem, lower
@@ -41,9 +41,8 @@ from safeloc.models.odometry.marker_reading import ACCEPTED, NOT_BETTER
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
+from safeloc.railway.design.held_stretch import WITHDRAWN
 
-WITHDRAWN = "tolerance exceeded"
-"""The transition by which the machine withdraws its position because every margin is too wide."""
 _READS = "which readings count is the machine's verdict; no clause reads what is counted"
 _FARTHEST_NM, _FARTHEST_MM = 10**16, 10**10
 
@@ -241,7 +240,7 @@ def _slowing_down(config: OdometryConfig, total_mm: int) -> list[int]:
     return [farthest] * (number - last) + [farthest - one for one in less]
 
 
-# ------------------------------------------------------------------ its proof and its run
+# ------------------------------------------------------------------ its proof
 
 
 def proof_of(one: Followed, run_mm: int, limits: Limits) -> Verdict:
@@ -254,16 +253,3 @@ def proof_of(one: Followed, run_mm: int, limits: Limits) -> Verdict:
         "is no longer, the machine does not withdraw its position for its tolerance",
     )
     return prove_one(observe(one.system, claim), limits)
-
-
-def broken_beyond(one: Followed, held: HeldRun) -> int | None:
-    """Return the cycle, from 0, in which the run withdraws the position within 1 mm more than the bound, by the reference
-    interpreter; None if it does not, or if the run breaks a law of the world.
-    """
-    system = one.system
-    made = taken(system, start(system, held.first), held.steps, while_=system.assume)
-    for cycle, (moved, state) in enumerate(made):
-        if WITHDRAWN in moved.fired.values():
-            near = int(state[one.run]) <= (held.run_mm + 1) * NM_PER_MM
-            return cycle if near and state[one.forwards] else None
-    return None

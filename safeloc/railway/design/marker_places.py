@@ -21,7 +21,8 @@ from safeloc.railway.map.places import along
 from safeloc.railway.map.topology import Run
 from safeloc.railway.map.walk import Walk
 
-_MOST_PLACES = 600
+_MOST_PLACES = 1_200
+"""Of markers and groups together: half as many of each where both may be added."""
 _APART_MM = (1, 1_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
 """Places nearer than this on one edge count as one; the first of these figures that leaves few enough is taken."""
 _LARGEST_MARKER = 1_000_000
@@ -35,6 +36,7 @@ class _Search:
     sample: Mark
     room_mm: int
     apart_mm: int
+    most: int
     found: dict[tuple[str, int], tuple[Run, int]] = field(default_factory=dict)
 
     def run(self) -> bool:
@@ -44,7 +46,7 @@ class _Search:
             run, offset = open_.pop(0)
             if not self._take(run, offset):
                 continue
-            if len(self.found) > _MOST_PLACES:
+            if len(self.found) > self.most:
                 return False
             for step in self._steps(self.sample, self.sample):
                 open_ += self._ahead(run, offset + step)
@@ -118,9 +120,9 @@ class _Search:
                 open_ += [(before, left + topology.length_mm(before)) for before in topology.before(here)]
 
 
-def _places(readings: Readings, sample: Mark, room_mm: int) -> tuple[list[tuple[Run, int]], int]:
+def _places(readings: Readings, sample: Mark, room_mm: int, most: int) -> tuple[list[tuple[Run, int]], int]:
     for apart in _APART_MM:
-        search = _Search(readings, sample, room_mm, apart)
+        search = _Search(readings, sample, room_mm, apart, most)
         if search.run() or apart == _APART_MM[-1]:
             return list(search.found.values()), apart
     raise AssertionError("the last of these figures is always taken")
@@ -132,9 +134,11 @@ def marker_options(line: Line, rules: Rules, added: Added, costs: Costs) -> tupl
     Markers are options where some may be added, groups where the readers read them.
     """
     readings, options, apart = Readings(Walk(line), rules), list[Option](), 1
+    both = added.markers and rules.layout.readers.groups_are_markers
+    most = _MOST_PLACES // (2 if both else 1)
     if added.markers:
         sample = _new_marker(Run(line.edges[0].id, "increasing"), 0, "sample", 1, added)
-        found, apart = _places(readings, Mark(sample, accuracy_mm(sample, rules.layout)), 0)
+        found, apart = _places(readings, Mark(sample, accuracy_mm(sample, rules.layout)), 0, most)
         names = free_names([one.id for one in line.markers], "M")
         taken = {one.identity for one in line.markers}
         free = (number for number in range(1, _LARGEST_MARKER + 1) if number not in taken)
@@ -144,7 +148,9 @@ def marker_options(line: Line, rules: Rules, added: Added, costs: Costs) -> tupl
         options += [Option(one, costs.of(one, new=True), True) for one in marks]
     if rules.layout.readers.groups_are_markers:
         first = new_group(Run(line.edges[0].id, "increasing"), 0, "sample", 0, added)
-        found, apart_groups = _places(readings, Mark(first, accuracy_mm(first, rules.layout)), added.balise_spacing_mm)
+        found, apart_groups = _places(
+            readings, Mark(first, accuracy_mm(first, rules.layout)), added.balise_spacing_mm, most
+        )
         names = free_names([one.id for one in line.balise_groups], "N")
         known = {one.identity for one in line.balise_groups if one.country == 0}
         free = (number for number in range(1, LARGEST_IDENTITY + 1) if number not in known)

@@ -11,7 +11,8 @@ from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.railway.audit import audit
-from safeloc.railway.design.held_by_markers import HeldRun, broken_beyond, followed, held_run, layout_of, proof_of
+from safeloc.railway.design.held_by_markers import HeldRun, followed, held_run, layout_of, proof_of
+from safeloc.railway.design.held_stretch import broken_beyond
 from tests.railway.map.made import marker, straight
 
 LAYOUTS = {
