@@ -16,8 +16,10 @@ from safeloc.railway.design.figures import Added, Costs
 from safeloc.railway.design.options import Options, standing
 from safeloc.railway.design.reach import Reach
 from safeloc.railway.design.stretches import stretches
+from safeloc.railway.map.imports.geojson import read_geojson
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.toml_files import find_line
+from tests.data_sources import data_file
 from tests.railway.map.made import fork, group, marker, reflector, straight
 
 READS = LayoutConfig(markers=MarkerReaders())
@@ -145,3 +147,14 @@ def test_the_valley_with_two_readers() -> None:
     assert (6, 3, 21_000, 21_000) == (*kinds(found), found.cost_eur, found.least_eur)
     for number in found.chosen:
         assert not holds(found.options.with_only(found.chosen - {number}))
+
+
+@pytest.mark.thorough
+def test_a_real_network() -> None:
+    """Brussels airport, on which nothing stands: markers are added, the line holds, and the weights prove the cost."""
+    line = read_geojson(data_file("trains/network_airport.geojson"))[0]
+    found = design(Task(line, ALONE, added=Added(markers=400)))
+    assert found is not None
+    assert holds(found.line, ALONE)
+    assert 0 < len(found.line.markers) == found.cost_eur // 2_500
+    assert found.least_eur == found.cost_eur
