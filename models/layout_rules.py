@@ -29,6 +29,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.units import COUNT, MM, NM, PPM, PPM_PER_ONE
+from safeloc.models.marker_readers import MarkerReaders
 
 _ROUNDING_MM = 1
 """By so much the machines keep their error below the tolerance, since margins are reported in whole mm, rounded up."""
@@ -70,6 +71,11 @@ class LayoutConfig(Config):
         10_000, "mm", 1, 1_000_000, "[D] that of the occupied track: between two switches, or a switch and a crossing"
     )
     cycle_run_mm: int = quantity(4_445, "mm", 1, 1_000_000, "[D] that of the occupied track: 160 km/h for 100 ms")
+    markers: MarkerReaders | None = Field(
+        default=None,
+        description="figures of the marker readers of a vehicle that the machine `odometry` locates; None: it has none",
+        json_schema_extra={"unit": "table", "source": "[D] none: most vehicles read balises at one end only"},
+    )
     prescribed_distance_mm: int | None = Field(
         default=None,
         gt=0,
@@ -93,6 +99,11 @@ class LayoutConfig(Config):
                 "edge within a cycle, unseen; raise it."
             )
         return self
+
+    @property
+    def readers(self) -> MarkerReaders:
+        """The figures of the marker readers, or the defaults of a vehicle that has none."""
+        return self.markers or MarkerReaders()
 
     @property
     def reflector_fix_mm(self) -> int:

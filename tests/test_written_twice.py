@@ -20,9 +20,12 @@ DEFENDED = {
     frozenset({"models/fibre/cycle.py: _room", "properties/fibre/seen.py: _room_nm"}): (
         "a claim states the figure by itself"
     ),
-    frozenset(f"models/{name}/variables.py: max_cycle_distance_mm" for name in ("reflector", "unlinked_group")): (
-        "a name of the configuration for the shared figure"
-    ),
+    frozenset(
+        {
+            *(f"models/{name}/variables.py: max_cycle_distance_mm" for name in ("reflector", "unlinked_group")),
+            "models/marker_readers.py: measured_in_a_cycle_mm",
+        }
+    ): "a name of the configuration for the shared figure",
     frozenset(f"properties/{name}/step.py: distance" for name in ("balise", "unlinked_group")): (
         "each reads the step of its own machine"
     ),

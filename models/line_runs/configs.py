@@ -10,6 +10,7 @@ from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.route.variables import RouteConfig
@@ -49,6 +50,11 @@ class LineVehicle:
         return (self.layout or LayoutConfig()).detection_accuracy_mm
 
     @property
+    def readers(self) -> MarkerReaders:
+        """Its marker readers; without figures of its own those of the odometry machine."""
+        return (self.layout or LayoutConfig()).readers
+
+    @property
     def radar_error_mm(self) -> int:
         """Error of a measured reflector, without that of the map, mm."""
         return max(1, (self.layout or LayoutConfig()).radar_error_mm)
@@ -62,15 +68,24 @@ class LineVehicle:
         """Return the configuration: both units of a device have the law of the vehicle's odometry."""
         if self.layout is None:
             return OdometryConfig(trust_first_marker=self.trust_first)
-        return OdometryConfig(
-            first_unit=self._law("wheel"),
-            second_unit=self._law("radar"),
-            tolerance_mm=self.layout.tolerance_mm,
-            vehicle_length_mm=self.motion.length_mm,
-            max_speed_mm_s=self._gate_mm_s,
-            max_acceleration_mm_s2=self._gate_mm_s2,
-            trust_first_marker=self.trust_first,
-        )
+        figures = {
+            "first_unit": self._law("wheel"),
+            "second_unit": self._law("radar"),
+            "tolerance_mm": self.layout.tolerance_mm,
+            "trust_first_marker": self.trust_first,
+        }
+        return OdometryConfig.model_validate({**figures, **self._readers()})
+
+    def _readers(self) -> dict[str, int]:
+        """Return the figures of the marker readers that the line is audited for; without them those of the movement."""
+        assert self.layout is not None
+        if self.layout.markers is not None:
+            return self.layout.markers.model_dump(exclude={"groups_are_markers"})
+        return {
+            "vehicle_length_mm": self.motion.length_mm,
+            "max_speed_mm_s": self._gate_mm_s,
+            "max_acceleration_mm_s2": self._gate_mm_s2,
+        }
 
     def balise(self) -> BaliseConfig:
         """Return the configuration with antenna, accuracies and error law of the vehicle."""

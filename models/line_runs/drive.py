@@ -112,13 +112,15 @@ def _odometry(journey: Journey) -> Iterator[Stream]:
     config = fitting(journey.vehicle, "odometry")
     assert isinstance(config, OdometryConfig)
     motion = motion_of(journey, config.max_speed_mm_s, config.period_ms)
-    struck = _struck(journey, "odometry", motion)
+    struck, readers = _struck(journey, "odometry", motion), journey.vehicle.readers
     steps = odometry_streams.simulate(
         config,
         seed=journey.seed,
         motion=motion,
-        markers=markers(journey.route),
-        marker_accuracy_mm=accuracies(journey.route, journey.vehicle.national_mm, journey.vehicle.detection_mm),
+        markers=markers(journey.route, readers),
+        marker_accuracy_mm=accuracies(
+            journey.route, journey.vehicle.national_mm, journey.vehicle.detection_mm, readers
+        ),
         dropout=0,
         missed=0,
         foreign=0,

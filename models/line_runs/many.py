@@ -110,9 +110,10 @@ class OdometryOnLine(OnLine):
         tops, of_vehicle = np.unique(drawn.figures[TOP], return_inverse=True)
         gate, period = self.config.max_speed_mm_s, self.config.period_ms
         places = [self.motion(route, float(top), gate, period, cycles).position_nm for top in tops]
-        known = accuracies(route, self.vehicle.national_mm, self.vehicle.detection_mm)
+        readers = self.vehicle.readers
+        known = accuracies(route, self.vehicle.national_mm, self.vehicle.detection_mm, readers)
         drives = Drives(np.stack(places, axis=1), of_vehicle)
-        return simulate_many(self.config, self.system, drives, markers(route), known, drawn)
+        return simulate_many(self.config, self.system, drives, markers(route, readers), known, drawn)
 
 
 class BaliseOnLine(OnLine):

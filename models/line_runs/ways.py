@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from safeloc.errors import InputError
 from safeloc.models.balise.groups import Group
+from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.reflector.simulate import Balise, Reflector
 from safeloc.models.reflector.simulate import Route as ReflectorRoute
 from safeloc.models.stop_point.simulate import StopPlace
@@ -38,6 +39,14 @@ def identities(line: Line) -> dict[str, int]:
     return {group.id: number for number, group in enumerate(line.balise_groups, 1)}
 
 
+def _marker_identities(line: Line) -> dict[str, int]:
+    """Return marker -> its number on board: its identity, unless a group has the same one; then they count on from the groups' numbers."""
+    taken = set(identities(line).values())
+    if taken.isdisjoint(one.identity for one in line.markers):
+        return {one.id: one.identity for one in line.markers}
+    return {one.id: number for number, one in enumerate(line.markers, max(taken) + 1)}
+
+
 def balise_groups(route: Route) -> list[tuple[Met, elements.BaliseGroup]]:
     """Return the balise groups on the route, in order."""
     return [(met, met.element) for met in route.objects() if isinstance(met.element, elements.BaliseGroup)]
@@ -55,16 +64,34 @@ def reflectors(route: Route) -> list[tuple[int, elements.Reflector]]:
 # ------------------------------------------------------------------ odometry and balise
 
 
-def markers(route: Route) -> list[tuple[int, int]]:
-    """Return every group as a marker: identity and place, in order."""
-    known = identities(route.topology.line)
-    return [(known[group.id], met.position_mm) for met, group in balise_groups(route)]
+def markers(route: Route, readers: MarkerReaders) -> list[tuple[int, int]]:
+    """Return every marker, and every group that the readers read as one: identity on board and place, in order."""
+    return [(number, place) for place, number, _ in sorted(_read(route, readers), key=lambda one: one[:2])]
 
 
-def accuracies(route: Route, national_mm: int, detection_mm: int) -> dict[int, int]:
-    """Return marker -> greatest distance from its place at which it is read, mm: location accuracy (own or national) and detection."""
-    known = identities(route.topology.line)
-    return {known[group.id]: _accuracy_mm(group, national_mm) + detection_mm for _, group in balise_groups(route)}
+def accuracies(route: Route, national_mm: int, detection_mm: int, readers: MarkerReaders) -> dict[int, int]:
+    """Return marker -> greatest distance from its place at which it is read, mm: its own accuracy or the vehicle's figure; of a group
+    location accuracy (own or national) and detection.
+    """
+    return {number: _within_mm(one, national_mm, detection_mm, readers) for _, number, one in _read(route, readers)}
+
+
+def _read(route: Route, readers: MarkerReaders) -> Iterator[tuple[int, int, elements.Marker | elements.BaliseGroup]]:
+    line = route.topology.line
+    of_groups, of_markers = identities(line), _marker_identities(line)
+    for met in route.objects():
+        if isinstance(met.element, elements.Marker):
+            yield met.position_mm, of_markers[met.element.id], met.element
+        elif isinstance(met.element, elements.BaliseGroup) and readers.groups_are_markers:
+            yield met.position_mm, of_groups[met.element.id], met.element
+
+
+def _within_mm(
+    one: elements.Marker | elements.BaliseGroup, national_mm: int, detection_mm: int, readers: MarkerReaders
+) -> int:
+    if isinstance(one, elements.BaliseGroup):
+        return _accuracy_mm(one, national_mm) + detection_mm
+    return readers.marker_accuracy_mm if one.accuracy_mm is None else one.accuracy_mm
 
 
 def _accuracy_mm(group: elements.BaliseGroup, national_mm: int) -> int:

@@ -16,11 +16,10 @@ from safeloc.cli.show import EXIT_CODES
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.audit.vehicle import find_layout
-from safeloc.railway.design.checks import held_by_the_machine, written
+from safeloc.railway.design.checks import Held, held_by_the_machine, machine_config, written
 from safeloc.railway.design.design_data import design_data, lines
 from safeloc.railway.design.designing import Design, Task, design
 from safeloc.railway.design.figures import Added, Costs
-from safeloc.railway.design.held_stretch import HeldStretch
 from safeloc.railway.design.nearest import nearest_kept, with_tolerance
 from safeloc.railway.map.toml_files import find_line
 from safeloc.runtime.streams.steps import write_steps
@@ -54,6 +53,11 @@ def design_line(name: str, wanted: str, options: DesignOptions) -> None:
     tolerance_mm = _tolerance_mm(wanted)
     task = Task(line, base, _figures(Costs, options.costs), _figures(Added, options.added), options.keep)
     _refuse_unknown(task)
+    if task.added.markers and base.markers is None:
+        raise InputError(
+            "--add markers=N is for a vehicle that reads them: give one with --vehicle whose file has the table [localization.markers] "
+            "(docs/line.md)."
+        )
     layout, found, why = with_tolerance(base, tolerance_mm), None, ""
     try:
         found = None if layout is None else design(replace(task, layout=layout), _SEARCH_SECONDS)
@@ -68,7 +72,7 @@ def _tell(found: Design, options: DesignOptions) -> None:
     text, audited = written(found)
     held = list(held_by_the_machine(found, options.seconds))
     if options.folder is not None:
-        _write(found, text, [one.held for one in held], options.folder)
+        _write(found, text, held, options.folder)
     if options.as_json:
         print_json(design_data(found, audited, held))
     else:
@@ -78,16 +82,19 @@ def _tell(found: Design, options: DesignOptions) -> None:
         raise typer.Exit(EXIT_CODES["unknown"])
 
 
-def _write(found: Design, text: str, held: Sequence[HeldStretch], folder: Path) -> None:
-    """Write the designed line, and for `safeloc replay balise` the runs that lose the position, with their configuration."""
-    config = found.reach.config.model_dump_json(indent=2)
+def _write(found: Design, text: str, held: Sequence[Held], folder: Path) -> None:
+    """Write the designed line, and for `safeloc replay` of the machine the runs that lose the position, with their configuration."""
+    config, machine = (
+        machine_config(found).model_dump_json(indent=2),
+        "odometry" if found.task.layout.markers else "balise",
+    )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / f"{found.line.name}.toml").write_text(text, encoding="utf-8")
-        (folder / "balise.json").write_text(config, encoding="utf-8")
+        (folder / f"{machine}.json").write_text(config, encoding="utf-8")
         for one in held:
-            path = folder / f"lost-after-{one.accuracy_mm}.jsonl"
-            write_steps(path, one.steps, machine="balise", first=one.first)
+            path = folder / f"lost-after-{one.held.accuracy_mm}.jsonl"
+            write_steps(path, one.held.steps, machine=machine, first=one.held.first)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written: {error}") from error
     err.print(str(folder / f"{found.line.name}.toml"), markup=False)
@@ -95,7 +102,7 @@ def _write(found: Design, text: str, held: Sequence[HeldStretch], folder: Path) 
 
 def _unkept(task: Task, tolerance_mm: int) -> str:
     nearest = nearest_kept(task, tolerance_mm, _SEARCH_SECONDS)
-    start = f"{task.line.name}: no choice of balise groups and reflectors keeps {tolerance_mm / 1000:.3f} m"
+    start = f"{task.line.name}: no choice of balise groups, reflectors and markers keeps {tolerance_mm / 1000:.3f} m"
     if nearest is None:
         return f"{start}, nor any other tolerance up to 500 m."
     return f"{start}; the nearest tolerance that one keeps is {nearest / 1000:.3f} m."
@@ -128,7 +135,8 @@ def _figures(model: type[_Figures], given: Sequence[str]) -> _Figures:
 
 
 def _refuse_unknown(task: Task) -> None:
-    known = {*(one.id for one in task.line.balise_groups), *(one.id for one in task.line.reflectors)}
+    line = task.line
+    known = {one.id for there in (line.balise_groups, line.reflectors, line.markers) for one in there}
     unknown = [one for one in task.keep if one not in known]
     if unknown:
-        raise InputError(f"{task.line.name} has no balise group or reflector {unknown[0]!r}.")
+        raise InputError(f"{task.line.name} has no balise group, reflector or marker {unknown[0]!r}.")

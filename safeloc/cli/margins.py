@@ -61,7 +61,7 @@ def margins(
         str | None,
         typer.Option(
             "--for",
-            help="TARGET is a line, by name or file: which balise groups and reflectors keep this tolerance at least cost, "
+            help="TARGET is a line, by name or file: which balise groups, reflectors and markers keep this tolerance at least cost, "
             "such as tolerance=30m",
         ),
     ] = None,
@@ -74,7 +74,7 @@ def margins(
         typer.Option(help="with --for: a figure of what is added, such as location_accuracy_mm=300 (repeatable)"),
     ] = None,
     keep: Annotated[
-        list[str] | None, typer.Option(help="with --for: a balise group or reflector that stays (repeatable)")
+        list[str] | None, typer.Option(help="with --for: a balise group, reflector or marker that stays (repeatable)")
     ] = None,
     seconds: Annotated[
         float, typer.Option(help="limit for each claim at each value, as solvers count", min=0.1)

@@ -148,7 +148,7 @@ class Sighting:
     start: str
 
 
-PlanKind = Literal["switch", "balise", "reflector"]
+PlanKind = Literal["switch", "balise", "reflector", "marker"]
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ class PlanTrack:
 
 @dataclass(frozen=True)
 class PlanMark:
-    """A switch, balise or reflector on the plan; `model` is that of a reflector."""
+    """A switch, balise, marker or reflector on the plan; `model` is that of a reflector."""
 
     kind: PlanKind
     name: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from safeloc.railway.pictures import PlanMark, TrackPlan
-from safeloc.report.drawing import BLUE, GREY, SKY, Axis, cross, line, triangle, word
+from safeloc.report.drawing import BLUE, GREEN, GREY, SKY, Axis, cross, line, triangle, upright, word
 from safeloc.report.thinning import Point
 
 _LANE, HEAD = 74, 30
@@ -63,6 +63,8 @@ def _mark(mark: PlanMark, axis: Axis, top: float, seen: Seen, down: bool) -> str
         return dot + word(x, y - 11 if down else y + 19, mark.name, anchor="middle")
     if mark.kind == "balise":
         return triangle(x, y, kind="balise") + word(x, y + 24, mark.name, anchor="middle")
+    if mark.kind == "marker":
+        return upright(x, y - 9, y + 9, GREEN, kind="marker") + word(x, y + 24, mark.name, anchor="middle")
     return _reflector(mark, x, y, seen)
 
 

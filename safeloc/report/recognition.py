@@ -232,6 +232,8 @@ def _keys(hunt: _Hunt) -> list[Swatch]:
     if hunt.plan is not None:
         keys.append(Swatch(diamond(13, 0, kind="key"), "reflector and its model; filled: seen on the stated route"))
         keys.append(Swatch(triangle(13, -5, kind="key"), "balise group"))
+        if any(mark.kind == "marker" for mark in hunt.plan.marks):
+            keys.append(Swatch(upright(13, -8, 8, GREEN, kind="key"), "marker"))
         keys.append(Swatch(f'<circle cx="13" cy="0" r="4" class="key ink" fill="{GREY}"/>', "switch"))
     if hunt.plan is not None and hunt.stated is not None:
         way = line([[Point(0, 0), Point(26, 0)]], BLUE, kind="key", width=6)

@@ -26,6 +26,29 @@ def test_a_line_is_designed(call: Call, tmp_path: Path) -> None:
     assert call(*run).code == 0
 
 
+READS = "[localization]\ntolerance_mm = 30_000\n[localization.markers]\ngroups_are_markers = false\n"
+
+
+@pytest.mark.thorough
+def test_a_line_is_designed_for_a_vehicle_that_reads_markers(call: Call, tmp_path: Path) -> None:
+    """The written line passes its audit for that vehicle, and the claims of the odometry machine hold on the written run."""
+    vehicle, line = tmp_path / "reader.toml", tmp_path / "line.toml"
+    vehicle.write_text(READS, encoding="utf-8")
+    line.write_text(to_toml(straight(1_300_000)), encoding="utf-8")
+    of = ("--vehicle", str(vehicle))
+    told = call(
+        "margins", str(line), "--for", "tolerance=30m", *of, "--add", "markers=5", "--out", str(tmp_path), "--json"
+    )
+    data = json.loads(told.out)
+    assert (0, 5_000, 5_000) == (told.code, data["cost_eur"], data["least_eur"])
+    assert [("odometry", "proved", 156)] == [
+        (one["machine"], one["verdict"], one["lost_in_cycle"]) for one in data["machine"]
+    ]
+    assert call("audit", str(tmp_path / "straight.toml"), *of).code == 0
+    run = ("replay", "odometry", str(tmp_path / "lost-after-300.jsonl"), "--config", str(tmp_path / "odometry.json"))
+    assert call(*run).code == 0
+
+
 @pytest.mark.thorough
 def test_the_nearest_tolerance_is_told(call: Call, tmp_path: Path) -> None:
     """It is told on an empty track, and 1 mm less is refused again."""
@@ -46,6 +69,7 @@ def test_the_nearest_tolerance_is_told(call: Call, tmp_path: Path) -> None:
         (("--for", "tolerance=30m", "--cost", "balise=3"), "add_group_eur"),
         (("--for", "tolerance=30m", "--add", "view=1"), "location_accuracy_mm"),
         (("--for", "tolerance=30m", "--keep", "B99"), "B99"),
+        (("--for", "tolerance=30m", "--add", "markers=3"), "[localization.markers]"),
         (("--keep", "B1"), "--for"),
     ],
 )

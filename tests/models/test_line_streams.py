@@ -20,6 +20,7 @@ from safeloc.models.line_runs.ways import (
     stop_places,
     switches_ahead,
 )
+from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.stop_point.simulate import StopPlace
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
 from safeloc.railway.map.elements import SpeedLimit
@@ -59,7 +60,7 @@ def test_a_group_is_told_with_its_place_along_the_route_and_its_telegram() -> No
         told.identity, told.place_mm, told.balises, told.orientation, told.accuracy_mm,
     )  # fmt: skip
     assert (80_000, 0, True) == (told.reflector_mm, told.search_mm, told.linked)
-    assert [(106, 100_000)] == markers(route)
+    assert [(106, 100_000)] == markers(route, MarkerReaders())
 
 
 def test_against_the_edge_places_and_orientations_turn_round() -> None:
@@ -76,7 +77,7 @@ def test_a_marker_is_read_within_location_and_detection_accuracy() -> None:
     own, without = group(1, "e0", 50_000), group(2, "e0", 90_000, location_accuracy_mm=None)
     line = straight(200_000, balise_groups=(own, without))
     (route,) = through_routes(Topology(line), 2)
-    assert {1: 1_300, 2: 13_000} == accuracies(route, 12_000, 1_000)
+    assert {1: 1_300, 2: 13_000} == accuracies(route, 12_000, 1_000, MarkerReaders())
 
 
 @pytest.mark.parametrize(("numbers", "expected"), [((5, 9), [5, 9]), ((5, 5), [1, 2]), ((0, 5), [1, 2])])

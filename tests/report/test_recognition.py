@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.railway.pictures import Recognition
+from safeloc.railway.pictures import PlanMark, Recognition, TrackPlan
 from safeloc.report.recognition import recognition_picture
 from safeloc.report.recorded_run import Broken, RecordedRun
 from tests.report.drawing_reader import Drawing, across, begin, drawing, end, kinds, points, words
@@ -55,6 +55,21 @@ def test_tracks_join_at_the_switches(missed: RecordedRun) -> None:
         (x0, y0), (x1, y1) = points(line)
         assert (round(place(x0)), round(place(x1))) == ends
         assert y1 - y0 == pytest.approx(74)
+
+
+def test_markers_are_drawn_where_the_plan_has_them(missed: RecordedRun) -> None:
+    """As upright lines at their distance, with their names; the legend explains them only where there are any."""
+    own = picture("route", Recognition)
+
+    def plan(key: str) -> TrackPlan | None:
+        known = own.plan(key)
+        mark = PlanMark("marker", "M7", 700_000, 0.0)
+        return None if known is None else replace(known, marks=(*known.marks, mark))
+
+    of = drawing(recognition_picture(replace(own, plan=plan), missed))
+    assert [700] == [round(across(of)(begin(mark))) for mark in kinds(of, "marker")]
+    assert {"M7", "marker"} <= set(words(of))
+    assert "marker" not in words(drawn(missed))
 
 
 def test_the_stated_route_is_drawn_under_its_tracks(missed: RecordedRun) -> None:

@@ -10,8 +10,9 @@ from safeloc.language.expr import TRUE, Bool, Num, NumVar, Var, boolean, number
 from safeloc.language.interpret import Program, evaluate
 from safeloc.language.nodes import And, Compare, Or, Value
 from safeloc.language.terms import variables
-from safeloc.language.units import COUNT, MM
+from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models import layout_rules as terms
+from safeloc.models import marker_rules
 from safeloc.models.layout_rules import LayoutConfig
 
 _TURNED = {"<=": ">=", "<": ">", "==": "=="}
@@ -99,6 +100,25 @@ class Rules:
         """Every odometry stretch is short enough."""
         figures = (_mm("distance_mm"), _mm("fix_error_mm"), _mm("apart_mm"))
         return Rule("odometry stretch", ("RFL-D1",), terms.stretch_is_tolerable(*figures, self.layout))
+
+    @cached_property
+    def marker_stretch(self) -> Rule:
+        """Some reading of a marker is near enough before every other one."""
+        fix = number("fix_error_nm", NM, 0, _REACH_MM * NM_PER_MM)
+        figures = (_mm("distance_mm"), fix, _mm("apart_mm"), _mm("held_back_mm"))
+        return Rule("marker stretch", ("MRK-D1", "MRK-D5"), marker_rules.marker_is_near(*figures, self.layout))
+
+    @cached_property
+    def marker_order(self) -> Rule:
+        """Markers are read one by one, in their order on the map."""
+        term = marker_rules.markers_read_one_by_one(_mm("spacing_mm"), _mm("within_mm"), self.layout)
+        return Rule("markers one by one", ("MRK-1",), term)
+
+    @cached_property
+    def markers_waiting(self) -> Rule:
+        """Markers under the vehicle can wait for the trailing reader."""
+        under = number("under_the_vehicle", COUNT, 0, _REACH_MM)
+        return Rule("markers under the vehicle", ("MRK-1",), marker_rules.markers_can_wait(under, self.layout))
 
     @cached_property
     def after_balise(self) -> Rule:

@@ -18,7 +18,7 @@ from safeloc.railway.design.least_cost import Demand
 from safeloc.railway.design.options import Options
 from safeloc.railway.design.reach import Reach, kind_of_reach
 from safeloc.railway.map.clearance import pairs
-from safeloc.railway.map.elements import BaliseGroup
+from safeloc.railway.map.elements import BaliseGroup, Marker
 from safeloc.railway.map.topology import Run
 from safeloc.railway.map.walk import Reference
 
@@ -57,7 +57,8 @@ class Stretching:
     @cached_property
     def _most_mm(self) -> int:
         """The longest stretch between any two options."""
-        elements = list({kind_of_reach(one.element): one.element for one in self.options.every}.values())
+        read = [one.element for one in self.options.every if not isinstance(one.element, Marker)]
+        elements = list({kind_of_reach(one): one for one in read}.values())
         return max(
             (self.reach.limit(one, other).distance_mm for one in elements for other in [*elements, None]), default=0
         )

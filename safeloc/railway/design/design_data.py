@@ -13,11 +13,10 @@ from safeloc.railway.design.checks import Held
 from safeloc.railway.design.designing import Design
 from safeloc.railway.design.function_tests import tests
 from safeloc.railway.design.least_cost import Demand
-from safeloc.railway.design.options import Option
+from safeloc.railway.design.options import Installed, Option
 from safeloc.railway.design.stretches import Stretch, stretches
-from safeloc.railway.map.elements import BaliseGroup
+from safeloc.railway.map.elements import Reflector
 from safeloc.railway.map.places import kilometre_text
-from safeloc.railway.map.walk import Reference
 
 SCHEMA = "safeloc-line-design/1"
 _SHOWN = 8
@@ -53,15 +52,17 @@ def _name(found: Design, one: Option) -> str:
     """Return the name on the designed line: new groups and reflectors are numbered anew."""
     if not one.new:
         return one.element.id
-    there = found.line.balise_groups if isinstance(one.element, BaliseGroup) else found.line.reflectors
+    line, kind = found.line, type(one.element)
+    every: tuple[Installed, ...] = (*line.balise_groups, *line.reflectors, *line.markers)
+    there = [element for element in every if isinstance(element, kind)]
     return next(
         element.id for element in there if element == one.element.model_copy(update={"id": element.id, **_own(element)})
     )
 
 
-def _own(element: Reference) -> dict[str, int]:
+def _own(element: Installed) -> dict[str, int]:
     """Return what is an element's own besides its name."""
-    return {"identity": element.identity} if isinstance(element, BaliseGroup) else {}
+    return {} if isinstance(element, Reflector) else {"identity": element.identity}
 
 
 def lines(found: Design, audited: AuditReport, held: Sequence[Held]) -> Iterator[str]:
@@ -97,7 +98,8 @@ def _tightest(found: Design) -> Iterator[str]:
 def _least(found: Design) -> str:
     places = sum(one.new for one in found.options.every)
     near = "" if found.apart_mm == 1 else f", of which those within {_metres(found.apart_mm)} count as one"
-    what = "groups and reflectors" if found.task.added.reflector_models else "groups"
+    kinds = [f"{kind}s" for kind in dict.fromkeys(one.kind for one in found.options.every if one.new)]
+    what = " and ".join(kinds).replace("balise groups", "groups") or "groups"
     where = f"among {places} places for new {what}{near}"
     if found.least_eur == found.cost_eur:
         return f"proved to be least {where}: the weights of {len(found.weighted)} demands add up to it"
@@ -107,7 +109,7 @@ def _least(found: Design) -> str:
 
 
 def _held_in_words(one: Held) -> str:
-    after = f"after a group known to {_metres(one.held.accuracy_mm)} the balise machine holds its position for {_metres(one.held.run_mm)}"
+    after = f"after a {one.what} known to {_metres(one.held.accuracy_mm)} the {one.machine} machine holds its position for {_metres(one.held.run_mm)}"
     lost = "no run was found that loses it" if one.lost_in is None else f"a run of {one.lost_in + 1} cycles loses it"
     return f"{after}: {one.verdict}; 1 mm farther {lost}"
 
@@ -154,6 +156,7 @@ def _decided(found: Design, number: int) -> str:
 
 def _held_data(one: Held) -> dict[str, Any]:
     return {
+        "machine": one.machine,
         "accuracy_mm": one.held.accuracy_mm,
         "holds_for_mm": one.held.run_mm,
         "verdict": one.verdict,

@@ -15,14 +15,15 @@ from safeloc.railway.audit.rules import Rules
 from safeloc.railway.design.demands import Stretching, apart, off_joints
 from safeloc.railway.design.figures import Added, Costs
 from safeloc.railway.design.function_tests import before_reflectors, tests
-from safeloc.railway.design.least_cost import Demand, bound, least, none_cheaper, weights
-from safeloc.railway.design.options import Option, Options, standing
+from safeloc.railway.design.least_cost import AtMost, Demand, bound, least, none_cheaper, weights
+from safeloc.railway.design.marker_demands import marker_demands
+from safeloc.railway.design.marker_places import marker_options
+from safeloc.railway.design.options import Installed, Option, Options, standing
 from safeloc.railway.design.places import new_options
 from safeloc.railway.design.reach import Reach
 from safeloc.railway.design.repairs import Repairs
-from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.elements import BaliseGroup, Marker, Reflector
 from safeloc.railway.map.model import Line
-from safeloc.railway.map.walk import Reference
 
 _MOST_AUDITS = 200
 _ANY_GAP = 0.5
@@ -79,8 +80,11 @@ class Design:
 def _considered(task: Task) -> tuple[Options, Reach, int]:
     """Return the options of a task, the limits of stretches, and how far apart places have to be to count as two."""
     reach = Reach(task.layout)
-    new, apart_mm = new_options(task.line, reach, task.added, task.costs)
-    return Options(task.line, (*standing(task.line, task.costs, task.keep), *new)), reach, apart_mm
+    if task.layout.markers is None:
+        new, apart_mm = new_options(task.line, reach, task.added, task.costs)
+    else:
+        new, apart_mm = marker_options(task.line, Rules(task.layout), task.added, task.costs)
+    return Options(task.line, (*standing(task.line, task.costs, task.keep, task.layout), *new)), reach, apart_mm
 
 
 def _demanded(options: Options, reach: Reach) -> list[Demand]:
@@ -92,8 +96,9 @@ def _demanded(options: Options, reach: Reach) -> list[Demand]:
         if isinstance(one.element, BaliseGroup) and one.element.duplicate_of is not None
     ]
     rules = Rules(reach.layout)
+    reached = Stretching(options, reach).demands() if rules.layout.markers is None else marker_demands(options, rules)
     found = [
-        *kept, *originals, *Stretching(options, reach).demands(), *apart(options, rules),
+        *kept, *originals, *reached, *apart(options, rules),
         *off_joints(options, rules), *before_reflectors(options, rules),
     ]  # fmt: skip
     return list(dict.fromkeys(found))
@@ -127,7 +132,7 @@ def _selected(task: Task, seconds: float, gap: float = 0.0) -> _Selection | None
     options, reach, apart_mm = _considered(task)
     demands, costs = _demanded(options, reach), _costs(options, reach)
     for audits in range(1, _MOST_AUDITS + 1):
-        decided = least(costs, demands, seconds, gap)
+        decided = least(costs, demands, seconds, gap, _at_most(task, options))
         if decided is None:
             return None
         chosen = frozenset(number for number in decided if number < len(options.every))
@@ -146,13 +151,20 @@ def _costs(options: Options, reach: Reach) -> list[int]:
     return [*options.costs, *(0 for _ in tests(options, Rules(reach.layout)))]
 
 
+def _at_most(task: Task, options: Options) -> AtMost | None:
+    """Return how many new markers may be chosen; None if none is an option."""
+    new = frozenset(n for n, one in enumerate(options.every) if one.new and isinstance(one.element, Marker))
+    return AtMost(task.added.markers, new) if new else None
+
+
 def _with_bound(task: Task, found: _Selection) -> Design:
     costs = _costs(found.options, found.reach)
     weighted = weights(costs, found.demands)
     least_eur = _rounded_up(bound(costs, weighted), costs)
     cost = sum(costs[number] for number in found.chosen)
     asked = least_eur < cost and len(costs) <= _ASKED_OPTIONS
-    proved = asked and none_cheaper(costs, found.demands, cost, _ASKED_SECONDS)
+    limited = _at_most(task, found.options)
+    proved = asked and none_cheaper(costs, found.demands, cost, _ASKED_SECONDS, limited)
     line = _named_line(found.options, found.chosen)
     of = (found.options, found.reach, found.chosen)
     return Design(
@@ -170,7 +182,7 @@ def _named_line(options: Options, chosen: frozenset[int]) -> Line:
     """Return the designed line; its new groups and reflectors are numbered along its edges."""
     order = {edge.id: number for number, edge in enumerate(options.line.edges)}
     line = options.with_only(chosen - {number for number in chosen if options.every[number].new})
-    found: dict[type[Reference], list[Reference]] = {BaliseGroup: [], Reflector: []}
+    found: dict[type[Installed], list[Installed]] = {BaliseGroup: [], Reflector: [], Marker: []}
     for kind, elements in found.items():
         every = [n for n, one in enumerate(options.every) if one.new and isinstance(one.element, kind)]
         placed = sorted(chosen.intersection(every), key=lambda n: _along(options.every[n], order))
@@ -178,12 +190,13 @@ def _named_line(options: Options, chosen: frozenset[int]) -> Line:
             elements.append(_named(options.every[number].element, options.every[like].element))
     groups = (*line.balise_groups, *(one for one in found[BaliseGroup] if isinstance(one, BaliseGroup)))
     reflectors = (*line.reflectors, *(one for one in found[Reflector] if isinstance(one, Reflector)))
-    return line.model_copy(update={"balise_groups": groups, "reflectors": reflectors})
+    markers = (*line.markers, *(one for one in found[Marker] if isinstance(one, Marker)))
+    return line.model_copy(update={"balise_groups": groups, "reflectors": reflectors, "markers": markers})
 
 
-def _named(element: Reference, like: Reference) -> Reference:
+def _named(element: Installed, like: Installed) -> Installed:
     """Return an element under the name of another one."""
-    more = {"identity": like.identity} if isinstance(like, BaliseGroup) else {}
+    more = {} if isinstance(like, Reflector) else {"identity": like.identity}
     return element.model_copy(update={"id": like.id, **more})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from safeloc.config import Config, quantity
-from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.elements import BaliseGroup, Marker, Reflector
 
 
 class Costs(Config):
@@ -20,8 +20,15 @@ class Costs(Config):
         3_000, "EUR", 0, 10**9, "engineering default: reflector, mast and survey, and their upkeep"
     )
 
-    def of(self, element: BaliseGroup | Reflector, *, new: bool) -> int:
+    keep_marker_eur: int = quantity(300, "EUR", 0, 10**9, "engineering default: inspection of a passive marker")
+    add_marker_eur: int = quantity(
+        2_500, "EUR", 0, 10**9, "engineering default: marker, survey and data, and their upkeep"
+    )
+
+    def of(self, element: BaliseGroup | Reflector | Marker, *, new: bool) -> int:
         """Return the cost of an element: of keeping one, or of a new one."""
+        if isinstance(element, Marker):
+            return self.add_marker_eur if new else self.keep_marker_eur
         if isinstance(element, BaliseGroup):
             return self.add_group_eur if new else self.keep_group_eur
         return self.add_reflector_eur if new else self.keep_reflector_eur
@@ -43,4 +50,12 @@ class Added(Config):
         20,
         "engineering default: none, since not every vehicle has a radar; the models that it tells apart",
     )
+    markers: int = quantity(
+        0,
+        "count",
+        0,
+        10_000,
+        "engineering default: none, since not every vehicle reads them; at most so many are added",
+    )
+    marker_accuracy_mm: int = quantity(300, "mm", 0, 63_000, "engineering default: surveyed to 0.3 m")
     lateral_offset_mm: int = quantity(2_500, "mm", -100_000, 100_000, "engineering default: as on the worked lines")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 from safeloc.language.expr import (
     FALSE,
@@ -210,7 +211,29 @@ def proof_of(one: Watched, held: HeldStretch, limits: Limits) -> Verdict:
     return prove_one(observe(one.system, _held_within(one, held.run_mm, held.accuracy_mm)), limits)
 
 
-def broken_beyond(one: Watched, held: HeldStretch) -> int | None:
+class _Counting(Protocol):
+    """A machine in a world that counts the true run since a reference, and whether all of it was measured forwards."""
+
+    @property
+    def system(self) -> TransitionSystem: ...
+    @property
+    def run(self) -> NumVar: ...
+    @property
+    def forwards(self) -> BoolVar: ...
+
+
+class _Losing(Protocol):
+    """A bound, and a run that is to lose the position beyond it."""
+
+    @property
+    def run_mm(self) -> int: ...
+    @property
+    def steps(self) -> Sequence[Mapping[str, Any]]: ...
+    @property
+    def first(self) -> Mapping[str, int]: ...
+
+
+def broken_beyond(one: _Counting, held: _Losing) -> int | None:
     """Return the cycle, from 0, in which the run withdraws the position within 1 mm more than the bound, by the reference
     interpreter; None if it does not, or if the run breaks a law of the world.
     """

@@ -37,18 +37,34 @@ class Demand:
         return bool(self.any_of & chosen) or not self.unless <= chosen
 
 
+@dataclass(frozen=True)
+class AtMost:
+    """No more than so many of these options are chosen."""
+
+    number: int
+    of: frozenset[int]
+
+
 def least(
-    costs: Sequence[int], demands: Sequence[Demand], seconds: float = 60.0, gap: float = 0.0
+    costs: Sequence[int],
+    demands: Sequence[Demand],
+    seconds: float = 60.0,
+    gap: float = 0.0,
+    at_most: AtMost | None = None,
 ) -> frozenset[int] | None:
     """Return a selection of least cost; None if no selection satisfies all demands. EngineError within the limit without an answer.
 
-    gap  share of its cost by which the selection may be dearer than need be
+    gap      share of its cost by which the selection may be dearer than need be
+    at_most  how many of some options may be chosen
     """
     optimize, numpy = _scipy()
     kept = [one for one in demands if not one.any_of & one.unless]
     if not kept:
         return frozenset()
-    rows = optimize.LinearConstraint(_matrix(kept, len(costs)), [1 - len(one.unless) for one in kept])
+    rows = [optimize.LinearConstraint(_matrix(kept, len(costs)), [1 - len(one.unless) for one in kept])]
+    if at_most is not None:
+        those = [[1.0 if number in at_most.of else 0.0 for number in range(len(costs))]]
+        rows.append(optimize.LinearConstraint(those, ub=at_most.number))
     every = numpy.ones(len(costs))
     found = optimize.milp(
         numpy.array(costs, dtype=float), constraints=rows, integrality=every, bounds=optimize.Bounds(0, 1),
@@ -59,7 +75,8 @@ def least(
     if found.status != _FOUND:
         raise EngineError(f"no selection of least cost was found within {seconds:g} s: {found.message}")
     chosen = frozenset(number for number, value in enumerate(found.x) if value > 0.5)
-    if not all(one.holds(chosen) for one in kept):
+    too_many = at_most is not None and len(at_most.of & chosen) > at_most.number
+    if too_many or not all(one.holds(chosen) for one in kept):
         raise EngineError("the solver's selection breaks a demand; it cannot be used.")
     return chosen
 
@@ -100,10 +117,15 @@ def bound(costs: Sequence[int], weighted: Mapping[Demand, Fraction]) -> Fraction
     return total - sum(over, Fraction(0))
 
 
-def none_cheaper(costs: Sequence[int], demands: Sequence[Demand], cost: int, seconds: float) -> bool:
+def none_cheaper(
+    costs: Sequence[int], demands: Sequence[Demand], cost: int, seconds: float, at_most: AtMost | None = None
+) -> bool:
     """Return whether z3 proves that no selection that satisfies the demands costs less, and a second solver confirms it."""
     options = [boolean(f"option_{number}") for number in range(len(costs))]
-    query = Query("no cheaper selection", [_term(one, options) for one in demands], {"": _sum(costs, options) >= cost})
+    given = [_term(one, options) for one in demands]
+    if at_most is not None:
+        given.append(_sum([int(number in at_most.of) for number in range(len(costs))], options) <= at_most.number)
+    query = Query("no cheaper selection", given, {"": _sum(costs, options) >= cost})
     if unproved(query, seconds):
         return False
     return recheck("no cheaper selection", to_smtlib(query), 1, seconds=seconds) == ["unsat"]

@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeAlias
 
+from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.design.figures import Costs
-from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.elements import BaliseGroup, Marker, Reflector
 from safeloc.railway.map.model import Line
-from safeloc.railway.map.walk import Reference, Walk
+from safeloc.railway.map.walk import Walk
+
+Installed: TypeAlias = BaliseGroup | Reflector | Marker
+_KINDS: dict[type[Installed], str] = {BaliseGroup: "balise group", Reflector: "reflector", Marker: "marker"}
 
 
 @dataclass(frozen=True)
@@ -20,7 +25,7 @@ class Option:
     kept_for   why it has to be kept; empty if it may be left out
     """
 
-    element: Reference
+    element: Installed
     cost_eur: int
     new: bool
     kept_for: str = ""
@@ -33,7 +38,7 @@ class Option:
     @property
     def kind(self) -> str:
         """The kind in words."""
-        return "balise group" if isinstance(self.element, BaliseGroup) else "reflector"
+        return _KINDS[type(self.element)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +58,9 @@ class Options:
         """The number of each, by kind and identity of its element."""
         return {(one.kind, one.element.id): number for number, one in enumerate(self.every)}
 
-    def number_of(self, element: Reference) -> int:
+    def number_of(self, element: Installed) -> int:
         """Return the number of an element."""
-        return self.number["balise group" if isinstance(element, BaliseGroup) else "reflector", element.id]
+        return self.number[_KINDS[type(element)], element.id]
 
     @cached_property
     def walk(self) -> Walk:
@@ -67,9 +72,11 @@ class Options:
         elements = [self.every[number].element for number in sorted(chosen)]
         reflectors = tuple(one for one in elements if isinstance(one, Reflector))
         groups = tuple(one for one in elements if isinstance(one, BaliseGroup))
+        markers = tuple(one for one in elements if isinstance(one, Marker))
         named = {one.id for one in reflectors}
         told = tuple(_telling_only_of(one, named) for one in groups)
-        return self.line.model_copy(update={"checksum": None, "balise_groups": told, "reflectors": reflectors})
+        update = {"checksum": None, "balise_groups": told, "reflectors": reflectors, "markers": markers}
+        return self.line.model_copy(update=update)
 
 
 def _telling_only_of(group: BaliseGroup, reflectors: set[str]) -> BaliseGroup:
@@ -77,13 +84,29 @@ def _telling_only_of(group: BaliseGroup, reflectors: set[str]) -> BaliseGroup:
     return group if left == group.telegram_reflectors else group.model_copy(update={"telegram_reflectors": left})
 
 
-def standing(line: Line, costs: Costs, keep: Sequence[str]) -> Iterator[Option]:
-    """Yield an option for each balise group and reflector of the line. Kept are those of `keep`, and those that others refer to."""
+def standing(line: Line, costs: Costs, keep: Sequence[str], layout: LayoutConfig | None = None) -> Iterator[Option]:
+    """Yield an option for each balise group, reflector and marker of the line. Kept are those of `keep`, those that others refer to,
+    and what a vehicle of these figures is not located by, so that other vehicles still find it.
+    """
+    not_read = _not_read(layout or LayoutConfig())
     stops = {one.reflector: one.id for one in line.stop_points}
     originals = {one.duplicate_of: one.id for one in line.balise_groups if one.duplicate_of is not None}
     for group in line.balise_groups:
-        why = f"group {originals[group.id]} is its duplicate" if group.id in originals else ""
+        why = (
+            f"group {originals[group.id]} is its duplicate" if group.id in originals else not_read.get(BaliseGroup, "")
+        )
         yield Option(group, costs.of(group, new=False), False, "as asked" if group.id in keep else why)
     for reflector in line.reflectors:
-        why = f"stop point {stops[reflector.id]}" if reflector.id in stops else ""
+        why = f"stop point {stops[reflector.id]}" if reflector.id in stops else not_read.get(Reflector, "")
         yield Option(reflector, costs.of(reflector, new=False), False, "as asked" if reflector.id in keep else why)
+    for marker in line.markers:
+        why = "as asked" if marker.id in keep else not_read.get(Marker, "")
+        yield Option(marker, costs.of(marker, new=False), False, why)
+
+
+def _not_read(layout: LayoutConfig) -> dict[type[Installed], str]:
+    """Return the kinds of elements that do not locate the vehicle, with the reason for which they are kept."""
+    why = "other vehicles read it"
+    if layout.markers is None:
+        return {Marker: why}
+    return {Reflector: why} if layout.markers.groups_are_markers else {Reflector: why, BaliseGroup: why}

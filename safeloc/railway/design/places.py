@@ -27,7 +27,7 @@ _MOST_WITH_REFLECTORS = 240
 """Fewer with reflectors: their rules speak of every two of them, and each place has an option for each model."""
 _APART_MM = (1, 1_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000)
 """Places nearer than this on one edge count as one; the first of these figures that leaves few enough is taken."""
-_LARGEST_IDENTITY = 16_383
+LARGEST_IDENTITY = 16_383
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class _Search:
 
     def _samples(self) -> dict[type[Reference], Reference]:
         run = Run(self.line.edges[0].id, "increasing")
-        group: Reference = _new_group(run, 0, "sample", 0, self.added)
+        group: Reference = new_group(run, 0, "sample", 0, self.added)
         return {BaliseGroup: group} | (
             {Reflector: _new_reflector(run, 0, "sample", "A", self.added)} if self.added.reflector_models else {}
         )
@@ -197,7 +197,7 @@ def places(line: Line, reach: Reach, added: Added) -> Places:
     return Places(tuple(search.groups.values()), tuple(search.reflectors.values()), _APART_MM[-1])
 
 
-def _new_group(run: Run, position_mm: int, name: str, identity: int, added: Added) -> BaliseGroup:
+def new_group(run: Run, position_mm: int, name: str, identity: int, added: Added) -> BaliseGroup:
     """Return a group of two balises in the order of the edge."""
     second = position_mm + added.balise_spacing_mm
     return BaliseGroup(
@@ -229,14 +229,14 @@ def new_options(line: Line, reach: Reach, added: Added, costs: Costs) -> tuple[l
     A reflector is an option for each model.
     """
     found = places(line, reach, added)
-    names = _free([one.id for one in line.balise_groups], "N")
+    names = free_names([one.id for one in line.balise_groups], "N")
     taken = {one.identity for one in line.balise_groups if one.country == 0}
-    identities = (one for one in range(1, _LARGEST_IDENTITY + 1) if one not in taken)
+    identities = (one for one in range(1, LARGEST_IDENTITY + 1) if one not in taken)
     options = []
     for (run, position), name, identity in zip(found.groups, names, identities, strict=False):
-        group = _new_group(run, position, name, identity, added)
+        group = new_group(run, position, name, identity, added)
         options.append(Option(group, costs.of(group, new=True), True))
-    free, models = _free([one.id for one in line.reflectors], "R"), _models(line, added.reflector_models)
+    free, models = free_names([one.id for one in line.reflectors], "R"), _models(line, added.reflector_models)
     for run, position in found.reflectors:
         for model in models:
             one = _new_reflector(run, position, next(free), model, added)
@@ -251,7 +251,8 @@ def _models(line: Line, count: int) -> list[str]:
     return [*dict.fromkeys(chain(standing, letters))][:count]
 
 
-def _free(taken: Sequence[str], letter: str) -> Iterator[str]:
+def free_names(taken: Sequence[str], letter: str) -> Iterator[str]:
+    """Yield names that are not taken: the letter with a number."""
     number = 0
     while True:
         number += 1

@@ -12,6 +12,7 @@ from functools import cached_property
 
 from safeloc.errors import InputError
 from safeloc.railway.audit.findings import AuditReport, Finding
+from safeloc.railway.audit.marker_readings import Readings
 from safeloc.railway.audit.references import function_test_figures
 from safeloc.railway.audit.rules import UNBOUNDED, Rules
 from safeloc.railway.audit.stretches import longest
@@ -37,11 +38,12 @@ class Repairs:
             rules.after_balise.name: self._after_balise,
             rules.branches.name: lambda one: self._branches(),
             rules.routes.name: self._routes,
+            rules.markers_waiting.name: lambda one: self._waiting(rules),
         }
         for finding in self.report.violated:
             if finding.rule not in known:
                 raise InputError(
-                    f"{self.report.line}: no choice of balise groups and reflectors mends this: {finding.as_text()}"
+                    f"{self.report.line}: no choice of balise groups, reflectors and markers mends this: {finding.as_text()}"
                 )
             yield from known[finding.rule](finding)
 
@@ -87,6 +89,16 @@ class Repairs:
                     distance = ahead.distance_mm
                     if rule.broken(function_test_figures(self.report.layout, seen.element, ahead.element, distance)):
                         yield self.options.number_of(ahead.element)
+
+    # ------------------------------------------------------------------ markers
+
+    def _waiting(self, rules: Rules) -> Iterator[Demand]:
+        """Of more markers under the vehicle than can wait for its trailing reader one goes."""
+        readings = Readings(self._walk, rules)
+        for mark, run, offset in readings.everywhere():
+            under = readings.under_the_vehicle(mark, run, offset)
+            if rules.markers_waiting.broken({"under_the_vehicle": len(under)}):
+                yield Demand(frozenset(), frozenset(self.options.number_of(one.element) for one in under))
 
     # ------------------------------------------------------------------ branches
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+from safeloc.railway.audit.marker_readings import Readings
+from safeloc.railway.audit.rules import Rules
 from safeloc.railway.audit.stretches import name
 from safeloc.railway.design.demands import Stretching
 from safeloc.railway.design.figures import Costs
 from safeloc.railway.design.options import Options, standing
 from safeloc.railway.design.reach import Reach
 from safeloc.railway.map.model import Line
+from safeloc.railway.map.walk import Walk
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,9 @@ class Stretch:
 
 
 def stretches(line: Line, reach: Reach) -> list[Stretch]:
-    """Return the stretches of a line, the one with the least to spare first."""
+    """Return the stretches of a line, the one with the least to spare first; of a vehicle with marker readers those from reading to reading."""
+    if reach.layout.markers is not None:
+        return sorted(_readings(line, reach), key=lambda one: (one.spare_mm, one.origin, one.goal))
     options = Options(line, tuple(standing(line, Costs(), ())))
     found = dict[tuple[str, str, str], Stretch]()
     for origin, run, way in Stretching(options, reach).ways_of_all():
@@ -45,3 +51,16 @@ def stretches(line: Line, reach: Reach) -> list[Stretch]:
         if key not in found or one.spare_mm < found[key].spare_mm:
             found[key] = one
     return sorted(found.values(), key=lambda one: (one.spare_mm, one.origin, one.goal))
+
+
+def _readings(line: Line, reach: Reach) -> Iterator[Stretch]:
+    layout = reach.layout
+    readings = Readings(Walk(line), Rules(layout))
+    law = f"{layout.odometry_constant_mm / 1000:.3f} m + {layout.odometry_rate_ppm / 10_000:g} %"
+    for goal in readings.goals():
+        one = readings.worst(goal)
+        length, off = one.figures["distance_mm"], one.figures["apart_mm"]
+        kept = one.spare_mm + length + off
+        back = "" if goal.mark is None else " and read in a cycle more"
+        why = f"odometry {law}: the position is kept for {kept / 1000:.3f} m of true run{back}, less {off / 1000:.3f} m by which the readings may be farther apart"
+        yield Stretch(one.origin, goal.name, goal.run.direction, length, kept - off, why)

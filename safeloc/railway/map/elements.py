@@ -168,6 +168,17 @@ class BaliseGroup(Element):
         return "increasing" if self.balises[0].position_mm < self.balises[1].position_mm else "decreasing"
 
 
+class Marker(OnEdge):
+    """A position marker beside the track (MRK-1), which readers at both ends of a vehicle read, in either direction of travel.
+
+    identity     number that the readers read; balise groups have numbers of their own
+    accuracy_mm  it lies within so much of its place on the map; None: the vehicle's figure for markers without an own one
+    """
+
+    identity: int = Field(ge=1, le=1_000_000)
+    accuracy_mm: int | None = Field(default=None, ge=0, le=63_000, json_schema_extra={"unit": "mm"})
+
+
 class Reflector(OnEdge):
     """A passive radar reflector (RFL-3, RFL-10).
 

@@ -33,6 +33,7 @@ def kinds(line: Line) -> Mapping[str, Sequence[_Named]]:
         "crossings": line.crossings,
         "balise_groups": line.balise_groups,
         "reflectors": line.reflectors,
+        "markers": line.markers,
         "stop_points": line.stop_points,
         "signals": line.signals,
         "axle_counters": line.axle_counters,
@@ -56,6 +57,12 @@ def _telegram_identities(line: Line) -> Iterator[str]:
     for (country, identity), count in same.items():
         if count > 1:
             yield f"balise_groups: {count} groups send NID_C {country}, NID_BG {identity}"
+
+
+def _marker_identities(line: Line) -> Iterator[str]:
+    for identity, count in Counter(marker.identity for marker in line.markers).items():
+        if count > 1:
+            yield f"markers: {count} markers have the identity {identity}, so a reading would not tell which one was passed"
 
 
 def _edge_nodes(line: Line) -> Iterator[str]:
@@ -130,6 +137,7 @@ def _places(line: Line) -> Iterator[str]:
     named: list[tuple[str, str, int]] = []
     on_edge: Sequence[tuple[str, Sequence[OnEdge]]] = (
         ("reflector", line.reflectors),
+        ("marker", line.markers),
         ("stop point", line.stop_points),
         ("signal", line.signals),
         ("axle counter", line.axle_counters),
@@ -259,6 +267,7 @@ def _covers(stretch: Stretch, edge: str, position_mm: int) -> bool:
 _CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (
     _identities,
     _telegram_identities,
+    _marker_identities,
     _edge_nodes,
     _kilometre_points,
     _switches,

@@ -19,6 +19,7 @@ from safeloc.railway.map.elements import (
     Gradient,
     Identity,
     LocalizationSection,
+    Marker,
     Node,
     Reflector,
     Signal,
@@ -56,6 +57,7 @@ class Line(Element):
     crossings: tuple[Crossing, ...] = ()
     balise_groups: tuple[BaliseGroup, ...] = ()
     reflectors: tuple[Reflector, ...] = ()
+    markers: tuple[Marker, ...] = ()
     stop_points: tuple[StopPoint, ...] = ()
     signals: tuple[Signal, ...] = ()
     axle_counters: tuple[AxleCounter, ...] = ()

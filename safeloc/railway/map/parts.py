@@ -16,7 +16,7 @@ from safeloc.railway.map.elements import Node, TrackEdge
 from safeloc.railway.map.model import Line, content_checksum, sealed
 from safeloc.railway.map.places import kilometre_mm
 
-_BY_EDGE = ("balise_groups", "reflectors", "stop_points", "signals", "axle_counters")
+_BY_EDGE = ("balise_groups", "reflectors", "markers", "stop_points", "signals", "axle_counters")
 _BY_STRETCH = ("speed_limits", "gradients", "curves")
 _SECTIONS = ("detection_sections", "virtual_sections", "tunnels")
 _BY_NODE = ("switches", "crossings")

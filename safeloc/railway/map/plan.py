@@ -13,7 +13,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from safeloc.errors import InputError
-from safeloc.railway.map.elements import BaliseGroup, Reflector
+from safeloc.railway.map.elements import BaliseGroup, Marker, Reflector
 from safeloc.railway.map.routes import Inventory, Route
 from safeloc.railway.map.topology import Run, Topology
 from safeloc.railway.pictures import PlanMark, PlanTrack, TrackPlan
@@ -143,13 +143,15 @@ class _Layout:
             yield PlanMark("switch", switch.id, at, lane)
 
     def things(self) -> Iterator[PlanMark]:
-        """Yield balise groups, and reflectors for the direction of travel."""
+        """Yield balise groups, markers, and reflectors for the direction of travel."""
         for run in self.runs:
             length = self.topology.length_mm(run)
             for within, element in self.inventory.along(run, length):
                 at, lane = self._place(run, within / length)
                 if isinstance(element, BaliseGroup):
                     yield PlanMark("balise", element.id, at, lane, routes=self.numbers(run))
+                elif isinstance(element, Marker):
+                    yield PlanMark("marker", element.id, at, lane, routes=self.numbers(run))
                 elif isinstance(element, Reflector):
                     yield PlanMark("reflector", element.id, at, lane, element.model, self.numbers(run))
 

@@ -12,12 +12,12 @@ from typing import TypeAlias
 import networkx as nx
 
 from safeloc.errors import InputError
-from safeloc.railway.map.elements import AxleCounter, BaliseGroup, Direction, Reflector, Signal, StopPoint
+from safeloc.railway.map.elements import AxleCounter, BaliseGroup, Direction, Marker, Reflector, Signal, StopPoint
 from safeloc.railway.map.model import Line
 from safeloc.railway.map.places import Place, along
 from safeloc.railway.map.topology import Passage, Run, Topology
 
-Element: TypeAlias = BaliseGroup | Reflector | StopPoint | Signal | AxleCounter
+Element: TypeAlias = BaliseGroup | Reflector | Marker | StopPoint | Signal | AxleCounter
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,7 @@ class Inventory:
         every: tuple[tuple[Element, ...], ...] = (
             line.balise_groups,
             line.reflectors,
+            line.markers,
             line.stop_points,
             line.signals,
             line.axle_counters,

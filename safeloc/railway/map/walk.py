@@ -65,12 +65,13 @@ class Walk:
 
     def ahead(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[Seen]:
         """Yield the references at or ahead of a place, each with its shortest distance, nearest run first."""
-        for start, here in self._runs_ahead(run, offset_mm, reach_mm):
+        for start, here in self.runs_ahead(run, offset_mm, reach_mm):
             for offset, element in self.references[here]:
                 if 0 <= start + offset <= reach_mm:
                     yield Seen(element, here, offset, start + offset)
 
-    def _runs_ahead(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[tuple[int, Run]]:
+    def runs_ahead(self, run: Run, offset_mm: int, reach_mm: int) -> Iterator[tuple[int, Run]]:
+        """Yield the run and those ahead of a place, each with the shortest distance to its start, nearest first."""
         queue = [(-offset_mm, run)]
         done: set[Run] = set()
         while queue:

@@ -8,6 +8,7 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.marker_readers import MarkerReaders
 from safeloc.railway.audit.vehicle import find_layout
 
 
@@ -39,3 +40,24 @@ def test_unknown_vehicles_are_refused() -> None:
     """The message tells which there are."""
     with pytest.raises(InputError, match=r"^x: no such file, and no shipped vehicle; shipped are .*metro"):
         find_layout("x")
+
+
+@pytest.mark.parametrize(
+    ("figures", "told"),
+    [
+        (
+            "vehicle_length_mm = 4_000",
+            r"3: localization\.markers\.vehicle_length_mm|2: localization\.markers: vehicle_length_mm 4000",
+        ),
+        ("length = 4_000", r"3: localization\.markers\.length: Extra inputs are not permitted"),
+        ("pending_markers = 9", r"3: localization\.markers\.pending_markers: Input should be less than or equal to 8"),
+    ],
+)
+def test_wrong_figures_of_marker_readers_are_named(tmp_path: Path, figures: str, told: str) -> None:
+    """With file, line and key; the table alone gives the defaults."""
+    path = tmp_path / "reader.toml"
+    path.write_text("[localization]\n[localization.markers]\n", encoding="utf-8")
+    assert MarkerReaders() == find_layout(str(path)).markers
+    path.write_text(f"[localization]\n[localization.markers]\n{figures}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=rf"reader\.toml:({told})"):
+        find_layout(str(path))

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from safeloc.railway.map.elements import Balise, BaliseGroup, Direction, Node, Reflector, StopPoint, Switch, TrackEdge
+from safeloc.railway.map.elements import (
+    Balise,
+    BaliseGroup,
+    Direction,
+    Marker,
+    Node,
+    Reflector,
+    StopPoint,
+    Switch,
+    TrackEdge,
+)
 from safeloc.railway.map.model import Line
 
 
@@ -35,6 +45,11 @@ def group(identity: int, edge: str, *places_mm: int, **more: Any) -> BaliseGroup
     balises = tuple(Balise(position_mm=place) for place in places_mm)
     figures = {"location_accuracy_mm": 300, **more}
     return BaliseGroup(id=f"g{identity}", edge=edge, identity=identity, balises=balises, **figures)
+
+
+def marker(identity: int, edge: str, place_mm: int, accuracy_mm: int | None = 300) -> Marker:
+    """A marker that lies within 300 mm of its place."""
+    return Marker(id=f"m{identity}", edge=edge, position_mm=place_mm, identity=identity, accuracy_mm=accuracy_mm)
 
 
 def reflector(name: str, edge: str, place_mm: int, model: str = "A", **more: Any) -> Reflector:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.marker_readers import MarkerReaders
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.rules import Rule, Rules
 from safeloc.railway.map.integrity import kinds
@@ -41,8 +42,9 @@ def test_every_list_and_figure_is_told() -> None:
     lists = {name for name, value in find_line("fig1") if isinstance(value, tuple)}
     assert set(kinds(find_line("fig1"))) <= lists <= set(Line.model_fields)
     assert [] == [name for name in lists if f"[[{name}]]" not in TEXT and f"`{name}`" not in TEXT]
-    assert [] == [name for name in LayoutConfig.model_fields if f"`{name}`" not in TEXT]
+    figures = (*LayoutConfig.model_fields, *MarkerReaders.model_fields)
+    assert [] == [name for name in figures if f"`{name}`" not in TEXT]
     rules = [getattr(Rules(LayoutConfig()), name) for name in vars(Rules) if not name.startswith("_")]
     named = [rule.name for rule in rules if isinstance(rule, Rule)]
-    assert 24 == len(named)
+    assert 27 == len(named)
     assert [] == [name for name in named if f"{name} |" not in TEXT and f"{name}," not in TEXT]

@@ -29,7 +29,7 @@ from safeloc.railway.map.elements import (
     VirtualSection,
 )
 from safeloc.railway.map.model import Line
-from tests.railway.map.made import fork, group, reflector, stop, straight
+from tests.railway.map.made import fork, group, marker, reflector, stop, straight
 
 N = tuple(Node(id=name) for name in "abc")
 
@@ -78,6 +78,22 @@ WRONG: dict[str, tuple[Callable[[], Line], str]] = {
     "one telegram identity twice": (
         lambda: straight(1_000, balise_groups=(FIRST, SECOND.model_copy(update={"identity": 1}))),
         "balise_groups: 2 groups send NID_C 0, NID_BG 1",
+    ),
+    "one marker identity twice": (
+        lambda: straight(1_000, markers=(marker(1, "e0", 1), marker(2, "e0", 2).model_copy(update={"identity": 1}))),
+        "markers: 2 markers have the identity 1, so a reading would not tell which one was passed",
+    ),
+    "one marker name twice": (
+        lambda: straight(1_000, markers=(marker(1, "e0", 1), marker(2, "e0", 2).model_copy(update={"id": "m1"}))),
+        "markers: 2 elements are called 'm1'",
+    ),
+    "a marker beside no track": (
+        lambda: straight(1_000, markers=(marker(1, "e9", 1),)),
+        "marker 'm1': there is no edge 'e9'",
+    ),
+    "a marker beyond its edge": (
+        lambda: straight(1_000, markers=(marker(1, "e0", 1_001),)),
+        "marker 'm1': 1001 mm lies beyond edge 'e0' of 1000 mm",
     ),
     "no such node": (lambda: line(nodes=N[:1], edges=(edge(),)), "edge 'e': there is no node 'b'"),
     "an edge in a ring": (

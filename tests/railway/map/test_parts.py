@@ -25,7 +25,7 @@ from safeloc.railway.map.elements import (
 from safeloc.railway.map.model import Line, sealed
 from safeloc.railway.map.parts import LinePart, PartialMap, cut
 from safeloc.railway.map.toml_files import find_line
-from tests.railway.map.made import group, reflector, stop, straight
+from tests.railway.map.made import group, marker, reflector, stop, straight
 
 NAMES = {"e0": "west", "e1": "middle", "e2": "east"}
 
@@ -52,6 +52,7 @@ def whole() -> Line:
         1_000_000,
         balise_groups=(group(1, "e0", 5), group(2, "e2", 5)),
         reflectors=(reflector("r", "e1", 4_000),),
+        markers=(marker(1, "e0", 7), marker(2, "e2", 7)),
         stop_points=(stop("p", "e0", 996_000, "r"),),
         axle_counters=(AxleCounter(id="a", edge="e1", position_mm=1),),
         detection_sections=(DetectionSection(id="d", axle_counters=("a",), stretches=(stretch("e0"), stretch("e1"))),),

@@ -12,6 +12,7 @@ from safeloc.railway.map.routes import Route, through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.railway.pictures import TrackPlan
+from tests.railway.map.made import marker, straight
 
 
 def eastward(line: Line) -> list[Route]:
@@ -43,6 +44,15 @@ def test_marks_stand_at_their_distance() -> None:
     assert (reflectors["318"].at_mm, reflectors["318"].model, reflectors["318"].routes) == (900_000, "D", (2, 3, 4, 5))
     assert (reflectors["316"].at_mm, reflectors["316"].lane) == (540_000, pytest.approx(0.8))
     assert {mark.name for mark in plan.marks if mark.kind == "switch"} == {"302", "303", "304", "305", "306", "307"}
+
+
+def test_markers_stand_on_the_plan() -> None:
+    """At their distance in direction of travel, whatever the direction."""
+    line = straight(600_000, 400_000, travel="both", markers=(marker(1, "e0", 5_000), marker(2, "e1", 100_000)))
+    for route, places in zip(through_routes(Topology(line), 10), ([5_000, 700_000], [300_000, 995_000]), strict=True):
+        marks = [mark for mark in track_plan([route]).marks if mark.kind == "marker"]
+        assert places == sorted(mark.at_mm for mark in marks)
+        assert {"m1", "m2"} == {mark.name for mark in marks}
 
 
 def test_a_route_begun_on_the_way_counts_from_there() -> None:

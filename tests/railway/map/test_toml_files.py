@@ -11,7 +11,7 @@ from safeloc.railway.audit.vehicle import find_layout
 from safeloc.railway.map.model import sealed
 from safeloc.railway.map.toml_files import find_line, from_json, from_toml, load_line, shipped_lines, to_toml
 from safeloc.railway.map.toml_place import line_of
-from tests.railway.map.made import straight
+from tests.railway.map.made import marker, straight
 
 TEXT = """# a line
 name = "l"
@@ -42,6 +42,13 @@ def test_shipped_lines_come_back_as_written(name: str) -> None:
     assert line == from_toml(to_toml(line), name)
     assert sealed(line) == from_toml(to_toml(sealed(line)), name)
     assert line == from_json(line.model_dump_json(), name)
+
+
+def test_markers_come_back_as_written() -> None:
+    """With a figure of their own, and without."""
+    line = straight(1_000, markers=(marker(1, "e0", 5), marker(2, "e0", 900, None)))
+    assert line == from_toml(to_toml(line), "l")
+    assert line == from_json(line.model_dump_json(), "l")
 
 
 def test_shipped_lines_are_the_worked_examples() -> None:
@@ -75,6 +82,14 @@ WRONG = {
     "a checksum of something else": (
         SOUND.replace('version = "1"', f'version = "1"\nchecksum = "sha256:{"0" * 64}"'),
         r"^l\.toml:1: checksum is sha256:0+, but the content has sha256:\w+: do not use it\.$",
+    ),
+    "a marker without an identity": (
+        SOUND + '[[markers]]\nid = "m"\nedge = "e"\nposition_mm = 5\n',
+        r"^l\.toml:18: markers\.0\.identity: Field required\.$",
+    ),
+    "a marker that no reader can tell": (
+        SOUND + '[[markers]]\nid = "m"\nedge = "e"\nposition_mm = 5\nidentity = 0\n',
+        r"^l\.toml:22: markers\.0\.identity: Input should be greater than or equal to 1 \(got 0\)\.$",
     ),
     "infinity": (
         SOUND.replace("length_mm", "geometry = { points = [[0, 0], [inf, 0]] }\nlength_mm"),
