@@ -65,6 +65,13 @@ ENTRIES = (
         coupled,
         Family.FIBRE,
         place=12,
+        pairs=(
+            Pair("coupling by rods beside unevenness", "coupling_gain_cdb:down", "unevenness_cdb:up"),
+            Pair("coupling by dampers beside unevenness", "damper_loss_cdb:down", "unevenness_cdb:up"),
+            Pair("material beside its spread", "material_gain_cdb:down", "material_spread_cdb:up"),
+            Pair("change of a section beside error of a reading", "change_cdb:up", "reading_error_cdb:up"),
+            Pair("normal scatter beside unevenness", "return_cdb:down", "unevenness_cdb:up"),
+        ),
         configurations=COUPLED,
         no_interval="Its world speaks of the amplitude alone; the interval of the same machine is that of `fibre`.",
         hazard=Hazard(

@@ -8,7 +8,7 @@ from safeloc.models.time_of_flight.configurations import CONFIGURATIONS
 from safeloc.models.time_of_flight.simulate import simulate
 from safeloc.properties import time_of_flight as claims
 from safeloc.reported import Reported
-from safeloc.target import Entry, Family, Hazard, Target, single
+from safeloc.target import Entry, Family, Hazard, Pair, Target, single
 
 
 def target(config: TimeOfFlightConfig) -> Target:
@@ -28,6 +28,13 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=15,
+        pairs=(
+            Pair("rate of pulses beside length of the fibre", "pulse_hz:up", "fibre_mm:up"),
+            Pair("error of the index beside length of the fibre", "index_error_ppm:up", "fibre_mm:up"),
+            Pair("error of the trigger beside resolution", "trigger_error_ps:up", "resolution_ps:up"),
+            Pair("slack of the cable beside error of its map", "slack_ppm:up", "map_error_mm:up"),
+            Pair("slack of the cable beside place of the pattern", "pattern_error_mm:up", "slack_ppm:up"),
+        ),
         configurations=CONFIGURATIONS,
         hazard=Hazard(
             "a distance along the fibre is told that is not the vehicle's",

@@ -17,7 +17,7 @@ from pathlib import Path
 from safeloc.proof.cache.engine import DECLARING, PACKAGE, SHOWING
 
 _FOLLOWED = tuple(name.replace("/", ".") for name in (*DECLARING, *SHOWING))
-_LEFT_OUT = frozenset({"simulate", "simulation", "picture", "pictures", "line_runs"})
+_LEFT_OUT = frozenset({"simulate", "simulation", "picture", "pictures", "line_runs", "coupled_runs"})
 _BODIES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 

@@ -1,8 +1,7 @@
-"""Segments of one variable in which a condition holds, and the distance to its failure: guidance for searches.
+"""Segments of one variable in which conditions hold: guidance for searches.
 
 Condition(term).segments(var, values)   the intervals of values of `var` for which it holds, the rest held fixed
 Allowed(var, conditions).segments(values)   the same of several conditions at once
-Slack(term)(values)                     the least numeric distance to failing
 """
 
 from __future__ import annotations
@@ -15,12 +14,12 @@ from operator import itemgetter
 
 from safeloc.codegen.compiled import compile_terms
 from safeloc.language.expr import Bool, Expr, NumVar, Var
-from safeloc.language.interpret import Program, evaluate
-from safeloc.language.nodes import Add, And, Choose, Compare, Lit, Mul, Not, Num, Or, Sub, Value, any_of
+from safeloc.language.interpret import evaluate
+from safeloc.language.nodes import Compare, Lit, Num, Sub, Value
 from safeloc.language.terms import children, in_order, variables
 from safeloc.language.units import ONE
+from safeloc.proof.drawn_runs.linear import Segment, Straight, slope_of_gap, straight_of
 
-Segment = tuple[int, int]
 _FEW = 3
 _TRIED = 0.8
 """Share of the searches that first try a few values."""
@@ -39,7 +38,7 @@ class Condition:
         self._compares = [node for node in self._below if isinstance(node, Compare)]
         self._along: dict[Var, _Along] = {}
         self._straight: dict[Var, Allowed] = {}
-        self._kinds: dict[Var, _Straight | None] = {}
+        self._kinds: dict[Var, Straight | None] = {}
 
     @cached_property
     def _truth(self) -> Callable[[Sequence[Value]], Sequence[Value]]:
@@ -72,10 +71,10 @@ class Condition:
         pieces = zip(begins, ends, strict=True)
         return _joined([(low, high) for low, high in pieces if self._is_true(row, at, (low + high) // 2)])
 
-    def straight(self, var: NumVar) -> _Straight | None:
+    def straight(self, var: NumVar) -> Straight | None:
         """Return the condition as a disjunction of comparisons linear in the variable; None if it is none."""
         if var not in self._kinds:
-            self._kinds[var] = _straight(var, self.term, self._below)
+            self._kinds[var] = straight_of(var, self.term, self._below)
         return self._kinds[var]
 
     def _is_true(self, row: list[Value], at: int, value: int) -> bool:
@@ -100,31 +99,6 @@ class Together:
         """Return the truth of each condition for the values."""
         row, code = self._code
         return code(row(values))
-
-
-@dataclass(frozen=True, eq=False)
-class _Straight:
-    """A disjunction whose parts that read one variable are all comparisons linear in it: its segments follow without any trial.
-
-    parts   the disjunction of all other parts; then of each comparison right side minus left side, and how much this grows when the
-            variable grows by 1
-    kinds   the operator of each comparison, `!=` too
-    """
-
-    parts: tuple[Expr, ...]
-    kinds: tuple[str, ...]
-
-    def segments(self, numbers: Sequence[Value], var: NumVar, here: int) -> list[Segment]:
-        """Return the intervals in which the disjunction holds, in order, for the values of its parts where the variable is `here`."""
-        low, high = var.low, var.high
-        if numbers[0]:
-            return [(low, high)]
-        found = list[Segment]()
-        for place, op in enumerate(self.kinds):
-            for begin, end in _kept(here, int(numbers[2 * place + 1]), op, int(numbers[2 * place + 2]), low, high):
-                if begin <= high and end >= low:
-                    found.append((max(begin, low), min(end, high)))
-        return found if len(found) < 2 else _united(found)
 
 
 class Allowed:
@@ -205,53 +179,6 @@ def _where(
     return [(value, value) for value in tried if condition.holds({**values, var: value})]
 
 
-def _kept(here: int, gap: int, op: str, slope: int, low: int, high: int) -> tuple[Segment, ...]:
-    """Return the intervals in which a comparison holds whose gap at `here` grows by `slope` a step; they may exceed the range."""
-    if not slope:
-        holds = {"<": gap > 0, "<=": gap >= 0, "==": gap == 0, "!=": gap != 0}[op]
-        return ((low, high),) if holds else ()
-    steps, rest = divmod(-gap, slope)
-    root = here + steps  # or the whole number below it
-    if op == "==":
-        return () if rest else ((root, root),)
-    if op == "!=":
-        return ((low, high),) if rest else ((low, root - 1), (root + 1, high))
-    at_root = op == "<=" and not rest
-    if slope > 0:
-        return ((root if at_root else root + 1, high),)
-    return ((low, root if at_root or rest else root - 1),)
-
-
-def _united(segments: Sequence[Segment]) -> list[Segment]:
-    """Return the union, in order."""
-    united = list[Segment]()
-    for low, high in sorted(segments):
-        if united and low <= united[-1][1] + 1:
-            united[-1] = (united[-1][0], max(high, united[-1][1]))
-        else:
-            united.append((low, high))
-    return united
-
-
-def _straight(var: NumVar, term: Bool, below: Mapping[Expr, frozenset[Var]]) -> _Straight | None:
-    """Return the condition as a disjunction of comparisons linear in the variable; None if it is none."""
-    others, numbers, kinds = list[Bool](), list[Expr](), list[str]()
-    for part in term.parts if isinstance(term, Or) else (term,):
-        if var not in below[part]:
-            others.append(part)
-            continue
-        negated = isinstance(part, Not)
-        compared = part.inner if isinstance(part, Not) else part
-        if not isinstance(compared, Compare) or (negated and compared.op != "=="):
-            return None
-        slope = _slope_of_gap(compared, var, below)
-        if slope is None:
-            return None
-        numbers += [Sub(compared.right, compared.left, ONE), slope]
-        kinds.append("!=" if negated else compared.op)
-    return _Straight((any_of(others), *numbers), tuple(kinds))
-
-
 @dataclass(frozen=True, eq=False)
 class _Along:
     """The comparisons of a condition that read one variable.
@@ -307,12 +234,16 @@ def _variables_below(term: Expr) -> dict[Expr, frozenset[Var]]:
     return found
 
 
+def _constant(slope: Num | None) -> int | None:
+    return slope.value if isinstance(slope, Lit) else None
+
+
 def _along(
     var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare], below: Mapping[Expr, frozenset[Var]]
 ) -> _Along:
     reading = [node for node in compares if var in below[node]]
     gaps = {node: Sub(node.right, node.left, ONE) for node in reading}
-    slopes = {node: _constant(_slope_of_gap(node, var, below)) for node in reading}
+    slopes = {node: _constant(slope_of_gap(node, var, below)) for node in reading}
     bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
     return _Along(
         var,
@@ -320,67 +251,6 @@ def _along(
         tuple((node.op, grows) for node, grows in slopes.items() if grows),
         compiled_terms(reads, bent) if bent else None,
     )
-
-
-def _slope_of_gap(node: Compare, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> Num | None:
-    """Return how much the right side minus the left side grows when the variable grows by 1; None if that depends on the variable."""
-    left, right = _slope(node.left, var, below), _slope(node.right, var, below)
-    return None if left is None or right is None else _added(right, left, -1)
-
-
-def _constant(slope: Num | None) -> int | None:
-    return slope.value if isinstance(slope, Lit) else None
-
-
-def _slope(term: Num, var: NumVar, below: Mapping[Expr, frozenset[Var]]) -> Num | None:
-    """Return how much a term grows when the variable grows by 1, as a term without it; None if that depends on the variable."""
-    if var not in below[term]:
-        return Lit(0, ONE)
-    match term:
-        case NumVar():
-            return Lit(1, ONE)
-        case Add(left, right) | Sub(left, right):
-            first, second = _slope(left, var, below), _slope(right, var, below)
-            return (
-                None if first is None or second is None else _added(first, second, 1 if isinstance(term, Add) else -1)
-            )
-        case Mul(left, right):
-            factor, inner = (right, left) if var in below[left] else (left, right)
-            grows = None if var in below[factor] else _slope(inner, var, below)
-            return None if grows is None else _multiplied(factor, grows)
-        case Choose(condition, then, other) if var not in below[condition]:
-            first, second = _slope(then, var, below), _slope(other, var, below)
-            return None if first is None or second is None else _chosen(condition, first, second)
-        case _:
-            return None
-
-
-def _added(first: Num, second: Num, sign: int) -> Num:
-    match first, second:
-        case Lit(one), Lit(two):
-            return Lit(one + sign * two, ONE)
-        case _, Lit(0):
-            return first
-        case _:
-            return (Add if sign > 0 else Sub)(first, second, ONE)
-
-
-def _multiplied(factor: Num, grows: Num) -> Num:
-    match factor, grows:
-        case Lit(one), Lit(two):
-            return Lit(one * two, ONE)
-        case _, Lit(1):
-            return factor
-        case _:
-            return Mul(factor, grows, ONE)
-
-
-def _chosen(condition: Bool, first: Num, second: Num) -> Num:
-    match first, second:
-        case Lit(one), Lit(two) if one == two:
-            return first
-        case _:
-            return Choose(condition, first, second, ONE)
 
 
 def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
@@ -432,49 +302,3 @@ def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]
     """Intersect two lists of segments."""
     pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
     return [(low, high) for low, high in pairs if low <= high]
-
-
-class Slack:
-    """The distance of a term from being false: the least numeric distance, negative once false, infinite if logical."""
-
-    def __init__(self, term: Bool) -> None:
-        self._term = term
-        self._reads = [side for leaf in _leaves(term) for side in _sides(leaf)]
-        self._program = Program(self._reads)
-
-    def __call__(self, values: Mapping[Var, Value]) -> float:
-        """Return the distance under these values."""
-        return _slack(self._term, dict(zip(self._reads, self._program(values), strict=True)))
-
-
-def _leaves(term: Bool) -> Iterable[Bool]:
-    """Return the parts of conjunctions and disjunctions that are themselves neither."""
-    if isinstance(term, (And, Or)):
-        return [leaf for part in term.parts for leaf in _leaves(part)]
-    return [term]
-
-
-def _sides(leaf: Bool) -> Sequence[Expr]:
-    """Return the terms whose values determine how far a leaf is from failing."""
-    match leaf:
-        case Compare(_, a, b) | Not(Compare("<" | "<=", a, b)):
-            return (a, b)
-        case _:
-            return (leaf,)
-
-
-def _slack(term: Bool, found: Mapping[Expr, Value]) -> float:
-    match term:
-        case Compare(op, a, b):
-            left, right = found[a], found[b]
-            return {"==": -abs(left - right), "<": right - left - 1, "<=": right - left}[op]
-        case And(parts):
-            return min(_slack(part, found) for part in parts)
-        case Or(parts):
-            return max(_slack(part, found) for part in parts)
-        case Not(Compare("<", a, b)):
-            return float(found[a] - found[b])
-        case Not(Compare("<=", a, b)):
-            return float(found[a] - found[b] - 1)
-        case _:
-            return float("inf") if found[term] else float("-inf")

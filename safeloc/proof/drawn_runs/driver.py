@@ -24,10 +24,10 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, observe, watch
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world
 from safeloc.language.trace import Trace
-from safeloc.proof.drawn_runs.allowed import Slack
 from safeloc.proof.drawn_runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
 from safeloc.proof.drawn_runs.occurring import Key, Occurring
 from safeloc.proof.drawn_runs.profiles import Profile
+from safeloc.proof.drawn_runs.slack import Slack
 from safeloc.proof.provers.shorten import shortened
 
 MOST_ROWS = 200_000

@@ -19,7 +19,8 @@ from safeloc.language.interpret import start
 from safeloc.language.machine import Any_
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.proof.drawn_runs.allowed import Allowed, Condition, Segment, Together
+from safeloc.proof.drawn_runs.allowed import Allowed, Condition, Together
+from safeloc.proof.drawn_runs.linear import Segment
 from safeloc.proof.drawn_runs.parts import falsifiable
 
 _REPAIRS, _REPAIRS_A_PART = 40, 3

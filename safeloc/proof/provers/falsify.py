@@ -24,9 +24,9 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.units import Enumeration
 from safeloc.language.verdict import Unknown, Verdict, Violated
-from safeloc.proof.drawn_runs.allowed import Slack
 from safeloc.proof.drawn_runs.lawful import Repair, first_state
 from safeloc.proof.drawn_runs.profiles import Profile
+from safeloc.proof.drawn_runs.slack import Slack
 from safeloc.proof.provers.asking import ask, new_solver
 from safeloc.proof.provers.limits import Deadline, Limits, deadline, spend
 from safeloc.proof.provers.shorten import shortened

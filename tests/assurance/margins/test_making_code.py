@@ -14,7 +14,7 @@ from safeloc.catalogue import ENTRIES
 from safeloc.proof.cache.engine import PACKAGE
 
 FOLDERS = sorted({entry.folder for entry in ENTRIES.values()})
-NO_TERMS = {"simulate", "simulation", "picture", "pictures", "line_runs"}
+NO_TERMS = {"simulate", "simulation", "picture", "pictures", "line_runs", "coupled_runs"}
 READING = {"gzip", "importlib", "io", "json", "os", "pathlib", "tomllib"}
 
 
