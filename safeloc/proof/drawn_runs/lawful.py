@@ -28,6 +28,8 @@ _REPAIRS, _REPAIRS_A_PART = 40, 3
 ATTEMPTS = 5
 _GHOSTS_FIRST = 0.8
 _LINEAR_FIRST = 0.9
+_PATIENCE = 0.5
+"""Share of the first attempts without success after which no truth value is changed, such as the presence of a measurement."""
 Pick = Callable[[NumVar, int, int], int]
 
 
@@ -67,7 +69,9 @@ class Repair:
         for attempt in range(most):
             if not broken:
                 return {var: values[var] for var in self._system.inputs}
-            for var in self._mend_one(draw.choice(list(broken)), values, draw, pick, patience=1 - attempt / most):
+            for var in self._mend_one(
+                draw.choice(list(broken)), values, draw, pick, patience=_PATIENCE * (1 - attempt / most)
+            ):
                 readers = self._readers[var]
                 for one, kept in zip(readers.conditions, readers.holds(values), strict=True):
                     if kept:
