@@ -23,7 +23,7 @@ DEFENDED = {
     frozenset(
         {
             *(f"models/{name}/variables.py: max_cycle_distance_mm" for name in ("reflector", "unlinked_group")),
-            "models/marker_readers.py: measured_in_a_cycle_mm",
+            "models/layout_rules/marker_readers.py: measured_in_a_cycle_mm",
         }
     ): "a name of the configuration for the shared figure",
     frozenset(f"properties/{name}/step.py: distance" for name in ("balise", "unlinked_group")): (

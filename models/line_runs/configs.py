@@ -10,7 +10,7 @@ from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.route.variables import RouteConfig

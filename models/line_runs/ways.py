@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from safeloc.errors import InputError
 from safeloc.models.balise.groups import Group
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.reflector.simulate import Balise, Reflector
 from safeloc.models.reflector.simulate import Route as ReflectorRoute
 from safeloc.models.stop_point.simulate import StopPlace

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.line_runs.drive import Journey, streams
 from safeloc.models.line_runs.ways import accuracies, markers
-from safeloc.models.marker_readers import MarkerReaders
 from safeloc.railway.audit import audit
 from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.topology import Topology

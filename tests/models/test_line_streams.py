@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import InputError
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.line_runs.drive import Journey, streams
 from safeloc.models.line_runs.faults import FAULTS, MACHINES, parse
@@ -20,7 +21,6 @@ from safeloc.models.line_runs.ways import (
     stop_places,
     switches_ahead,
 )
-from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.stop_point.simulate import StopPlace
 from safeloc.railway.audit.vehicle import SHIPPED, find_layout
 from safeloc.railway.map.elements import SpeedLimit

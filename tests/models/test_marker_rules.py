@@ -13,9 +13,9 @@ from safeloc.language.interpret import evaluate
 from safeloc.language.nodes import Value
 from safeloc.language.terms import variables
 from safeloc.language.units import MM, NM, NM_PER_MM, PPM, PPM_PER_ONE
-from safeloc.models import marker_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules import markers as rules
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.odometry import build
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.proof.provers.implication import Refuted, unproved

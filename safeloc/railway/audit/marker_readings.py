@@ -17,7 +17,7 @@ from safeloc.language.expr import as_num
 from safeloc.language.interpret import evaluate
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_rules import longest_run_mm
+from safeloc.models.layout_rules.markers import longest_run_mm
 from safeloc.railway.audit.rules import UNBOUNDED, Rules
 from safeloc.railway.map.elements import BaliseGroup, Marker
 from safeloc.railway.map.routes import Inventory

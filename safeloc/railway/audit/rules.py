@@ -12,8 +12,8 @@ from safeloc.language.nodes import And, Compare, Or, Value
 from safeloc.language.terms import variables
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models import layout_rules as terms
-from safeloc.models import marker_rules
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.layout_rules import markers as marker_rules
 
 _TURNED = {"<=": ">=", "<": ">", "==": "=="}
 _REACH_MM = 10**12

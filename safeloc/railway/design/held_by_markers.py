@@ -35,8 +35,8 @@ from safeloc.language.units import MM, NM, NM_PER_MM, PPM_PER_ONE
 from safeloc.language.verdict import Verdict
 from safeloc.models import odometry
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
-from safeloc.models.marker_rules import longest_measured_mm, longest_run_mm
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.markers import longest_measured_mm, longest_run_mm
 from safeloc.models.odometry.marker_reading import ACCEPTED, NOT_BETTER
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.proof.provers.limits import Limits

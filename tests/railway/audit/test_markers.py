@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.findings import Finding
 from safeloc.railway.map.elements import Marker, Node, TrackEdge

@@ -8,7 +8,7 @@ import pytest
 
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.railway.audit.vehicle import find_layout
 
 

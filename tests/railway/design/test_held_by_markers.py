@@ -6,8 +6,8 @@ import pytest
 
 from safeloc.language.verdict import Proved
 from safeloc.models.layout_rules import LayoutConfig
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.line_runs.configs import LineVehicle
-from safeloc.models.marker_readers import MarkerReaders
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.railway.audit import audit

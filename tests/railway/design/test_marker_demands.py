@@ -9,7 +9,7 @@ from itertools import chain, combinations
 import pytest
 
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.railway.audit import audit
 from safeloc.railway.design.designing import Design, Task, design
 from safeloc.railway.design.figures import Added, Costs

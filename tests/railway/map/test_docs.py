@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.railway.audit import audit
 from safeloc.railway.audit.rules import Rule, Rules
 from safeloc.railway.map.integrity import kinds

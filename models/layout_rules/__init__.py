@@ -29,7 +29,7 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.units import COUNT, MM, NM, PPM, PPM_PER_ONE
-from safeloc.models.marker_readers import MarkerReaders
+from safeloc.models.layout_rules.marker_readers import MarkerReaders
 
 _ROUNDING_MM = 1
 """By so much the machines keep their error below the tolerance, since margins are reported in whole mm, rounded up."""
