@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.language.expr import all_of, between, boolean, exact_to, number, optional
 from safeloc.language.interpret import evaluate, start
@@ -103,6 +104,12 @@ def test_drawn_stretches_become_lawful(example: Example) -> None:
 def test_odometry_becomes_lawful() -> None:
     """The same is true of the odometry machine, whose assumption has many parts."""
     _all_lawful(lower(odometry.machine()), steps=30)
+
+
+@pytest.mark.parametrize("name", ["sections", "selection"])
+def test_laws_of_two_broken_figures_are_mended_part_by_part(name: str) -> None:
+    """A train whose front and rear both leapt, and a signal whose range and rate are both wrong: no single value mends their law."""
+    _all_lawful(load_target(name).system, steps=10)
 
 
 def _all_lawful(system: TransitionSystem, steps: int) -> None:
