@@ -36,7 +36,7 @@ def properties(model: TimeOfFlight) -> list[Property]:
 
 
 def _told_now(model: TimeOfFlight) -> Bool:
-    return model.machine.flag("distance_told")
+    return model.machine.flag("distance_reported")
 
 
 def _distance(model: TimeOfFlight) -> tuple[Num, Num]:

@@ -75,7 +75,7 @@ def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, E
     told, on_track = current.one_of(distance, placed), current.eq(placed)
     middle, place = floor_div(own.low + own.high, 2), floor_div(own.track_low + own.track_high, 2)
     return {
-        "distance_told": told,
+        "distance_reported": told,
         "flight_time_ps": shown_if(told, own.time_told, NO_BOUND),
         "distance_mm": position_if(told, middle),
         "distance_margin_below_mm": margin_if(told, middle - own.low),

@@ -70,7 +70,7 @@ def test_told_with_a_delay_and_absent_without() -> None:
     end_ps = int(time_ps(CONFIG.fibre_mm, CONFIG.index_ppm))
     trace = timed(end_ps, None, end_ps, end_ps + 1_000_000, None)
     assert ["DISTANCE", "UNHEARD", "DISTANCE", "BEYOND", "UNHEARD"] == mode_labels(made().machine, trace)
-    assert [True, False, True, False, False] == [bool(step.outputs["distance_told"]) for step in trace.steps]
+    assert [True, False, True, False, False] == [bool(step.outputs["distance_reported"]) for step in trace.steps]
     assert [False, False, False, True, False] == [bool(step.outputs["beyond_fibre"]) for step in trace.steps]
     assert not {step.outputs["distance_mm"] for step in trace.steps[1::2]} & set(range(CONFIG.fibre_mm * 2))
 
@@ -112,7 +112,7 @@ def test_one_pulse_at_a_time() -> None:
 def test_outputs_have_their_names_in_c() -> None:
     """Time of flight and distance are fields of the exported outputs."""
     header = library_texts(layout_of(without_ghosts(lower(made().machine))), "Told.")["time_of_flight.h"]
-    for name in ("flight_time_ps", "distance_told", "distance_mm", "distance_margin_below_mm", "position_mm"):
+    for name in ("flight_time_ps", "distance_reported", "distance_mm", "distance_margin_below_mm", "position_mm"):
         assert f" {name};" in header
 
 
