@@ -209,6 +209,8 @@ def _broker(source: str, path: Path | None, wiring: Wiring | None) -> Broker | N
             "--trackside needs code_key_file in the file of --broker, the same as the fleet's: only a code shows that a report "
             "is unchanged."
         )
+    if wiring is not None and wiring.file.fleet == broker.prefix:
+        raise wiring.refuse(("fleet",), f"{broker.prefix} is the prefix of the areas; the fleet needs one of its own.")
     return broker
 
 

@@ -103,6 +103,11 @@ sections_mm = [[0, 900_000]]
     [
         ("sections", ("--trackside", "areas.toml"), "--trackside is for --from mqtts://HOST/PREFIX"),
         ("sections", (*FROM, "--trackside", "areas.toml"), "--trackside needs code_key_file in the file of --broker"),
+        (
+            "sections",
+            (*FROM, "--broker", "broker.toml", "--trackside", "areas.toml"),
+            "areas.toml:1: fleet: fleet is the prefix of the areas",
+        ),
         ("sections", (*FROM, "--trackside", "flawed.toml"), "flawed.toml:9: areas.west.sections_mm.0: [0, 900001]"),
         ("sections", (*FROM, "--trackside", "areas.toml", "--first", "a=1"), "--first and --vehicle are not for areas"),
         ("odometry", (*FROM, "--trackside", "areas.toml"), "--trackside is for the machine sections, not for odometry"),
@@ -114,6 +119,8 @@ def test_areas_that_cannot_be_run(
     """Each is refused in words before anything is sent."""
     monkeypatch.chdir(tmp_path)
     Path("areas.toml").write_text(AREAS, encoding="utf-8")
+    Path("report.key").write_bytes(bytes(range(32)))
+    Path("broker.toml").write_text('code_key_file = "report.key"\n', encoding="utf-8")
     Path("flawed.toml").write_text(AREAS.replace("[0, 900_000]", "[0, 900_001]"), encoding="utf-8")
     Path("config.toml").write_text('[area]\nborders = "occupancy"\n', encoding="utf-8")
     given = ("--config", "config.toml") if machine == "sections" else ("--period-ms", "100")

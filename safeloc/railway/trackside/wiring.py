@@ -36,7 +36,9 @@ class VehicleWiring(Config):
 
     length_mm: int = Field(ge=1_000, le=5_000_000)
     faces_upwards: bool
-    whole: str | None = Field(default=None, min_length=1, max_length=200)
+    whole: str | None = Field(
+        default=None, max_length=200, pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$"
+    )
 
 
 class AreaWiring(Config):
@@ -152,8 +154,10 @@ def _require_area(wiring: Wiring, name: str) -> None:
         if not area.low_end_mm <= start < end <= area.high_end_mm:
             raise wiring.refuse((*place, "sections_mm", number), f"[{start}, {end}] is no stretch within the area.")
     for number, (start, end) in enumerate(area.inner_mm):
-        if not start < end:
-            raise wiring.refuse((*place, "inner_mm", number), f"[{start}, {end}] is no stretch.")
+        if not area.low_end_mm <= start < end <= area.high_end_mm:
+            raise wiring.refuse((*place, "inner_mm", number), f"[{start}, {end}] is no stretch within the area.")
     for vehicle in area.vehicles or ():
+        if (area.vehicles or ()).count(vehicle) > 1:
+            raise wiring.refuse((*place, "vehicles"), f"{vehicle} is named twice.")
         if vehicle not in wiring.file.vehicles:
             raise wiring.refuse((*place, "vehicles"), f"{vehicle} is not among the vehicles of this file.")

@@ -47,6 +47,10 @@ FLAWS = {
     ),
     "no inner detection": (("inner_mm", "# "), r"areas\.toml:17: .*has area.inner_detection = 2"),
     "inner detection backwards": (("[[0, 1500000]", "[[9, 1]"), r"areas\.toml:21: areas\.west\.inner_mm\.0"),
+    "inner detection outside": (
+        ("[[0, 1500000]", "[[-9, 1500000]"),
+        r"areas\.toml:21: areas\.west\.inner_mm\.0: .*within the area",
+    ),
     "old reports only": (("error_ms = 50", "error_ms = 1000"), r"areas\.toml:3: clock_error_ms: 1000 ms is no less"),
     "a prefix with a wildcard": (('fleet = "fleet"', 'fleet = "#"'), r"areas\.toml:1: fleet"),
     "no TOML": (("fleet =", "fleet"), r"areas\.toml: not TOML"),
@@ -63,8 +67,16 @@ def test_flaws(tmp_path: Path, flaw: str) -> None:
         wired(tmp_path, RIGHT.replace(old, new))
 
 
+def test_an_output_that_cannot_be_one(tmp_path: Path) -> None:
+    """Integrity would never be confirmed, and nobody would know why."""
+    with pytest.raises(InputError, match=r"areas\.toml:\d+: vehicles\.\w+\.whole"):
+        wired(tmp_path, RIGHT.replace('whole = "whole"', 'whole = "no such"', 1))
+
+
 def test_a_vehicle_that_is_not_there(tmp_path: Path) -> None:
-    """An area names vehicles of the file only."""
+    """An area names vehicles of the file only, each once."""
+    with pytest.raises(InputError, match=r"areas\.toml:22: areas\.west\.vehicles: a is named twice"):
+        wired(tmp_path, f'{RIGHT}vehicles = ["a", "a"]\n')
     with pytest.raises(InputError, match=r"areas\.toml:22: areas\.west\.vehicles: z is not among the vehicles"):
         wired(tmp_path, f'{RIGHT}vehicles = ["a", "z"]\n')
 
