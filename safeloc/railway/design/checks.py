@@ -15,7 +15,7 @@ from safeloc.railway.audit.findings import AuditReport
 from safeloc.railway.audit.marker_readings import Readings
 from safeloc.railway.audit.rules import Rules
 from safeloc.railway.design.designing import Design
-from safeloc.railway.design.held_by_markers import HeldRun, followed, held_run
+from safeloc.railway.design.held_by_markers import followed, held_run
 from safeloc.railway.design.held_by_markers import proof_of as run_proof
 from safeloc.railway.design.held_stretch import HeldStretch, broken_beyond, proof_of, watched
 from safeloc.railway.map.toml_files import from_toml, to_toml
@@ -33,7 +33,7 @@ class Held:
 
     machine: str
     what: str
-    held: HeldStretch | HeldRun
+    held: HeldStretch
     verdict: str
     lost_in: int | None
 

@@ -7,7 +7,7 @@ and a run of it, one millimetre farther, show that this is the bound.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from safeloc.language.expr import (
@@ -41,7 +41,7 @@ from safeloc.models.odometry.marker_reading import ACCEPTED, NOT_BETTER
 from safeloc.models.odometry.variables import OdometryConfig, parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
-from safeloc.railway.design.held_stretch import WITHDRAWN
+from safeloc.railway.design.held_stretch import WITHDRAWN, HeldStretch
 
 _READS = "which readings count is the machine's verdict; no clause reads what is counted"
 _FARTHEST_NM, _FARTHEST_MM = 10**16, 10**10
@@ -146,24 +146,7 @@ def layout_of(config: OdometryConfig) -> LayoutConfig:
 # ------------------------------------------------------------------ the bound
 
 
-@dataclass(frozen=True, eq=False)
-class HeldRun:
-    """The run over which the machine holds its position after a marker of that accuracy, read at the rear.
-
-    run_mm       the greatest true run, whole mm, within which it is never withdrawn
-    measured_mm  the least measured distance at which it is withdrawn
-    steps        a run of the machine that withdraws it within 1 mm more, inputs and ghosts by name
-    first        the values of the first state that the world chooses
-    """
-
-    accuracy_mm: int
-    run_mm: int
-    measured_mm: int
-    steps: Sequence[Mapping[str, int | bool]]
-    first: Mapping[str, int]
-
-
-def held_run(config: OdometryConfig, accuracy_mm: int) -> HeldRun | None:
+def held_run(config: OdometryConfig, accuracy_mm: int) -> HeldStretch | None:
     """Return the bound after a marker of that accuracy, by the audit's rule; None if no run is too long or none is short enough."""
     figures = layout_of(config)
     fix = as_num(figures.readers.fix_error_nm(accuracy_mm, figures.odometry_rate_ppm), NM)
@@ -174,7 +157,9 @@ def held_run(config: OdometryConfig, accuracy_mm: int) -> HeldRun | None:
     if run < 0:
         return None
     first = {f"{unit}_wander_nm": config.first_unit.wander_nm for unit in _units(config)}
-    return HeldRun(accuracy_mm, run, kept + 1, tuple(_steps(config, accuracy_mm, kept + 1)), {"truth_nm": 0, **first})
+    return HeldStretch(
+        accuracy_mm, run, kept + 1, tuple(_steps(config, accuracy_mm, kept + 1)), {"truth_nm": 0, **first}
+    )
 
 
 def _steps(config: OdometryConfig, accuracy_mm: int, measured_mm: int) -> Iterator[dict[str, int | bool]]:

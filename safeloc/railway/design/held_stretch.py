@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 from safeloc.language.expr import (
     FALSE,
@@ -121,9 +121,9 @@ def _held_within(one: Watched, run_mm: int, accuracy_mm: int) -> Property:
 
 @dataclass(frozen=True, eq=False)
 class HeldStretch:
-    """The stretch over which the machine holds its position after a group.
+    """The stretch over which a machine holds its position after a group, or after a marker that its rear reader read.
 
-    accuracy_mm  location accuracy of the group
+    accuracy_mm  location accuracy of the group or marker
     run_mm       the greatest true run, whole mm, within which it is never withdrawn; negative: no run at all
     measured_mm  the least measured distance at which it is withdrawn
     steps        a run of the machine that withdraws it within 1 mm more, inputs and ghosts by name
@@ -222,18 +222,7 @@ class _Counting(Protocol):
     def forwards(self) -> BoolVar: ...
 
 
-class _Losing(Protocol):
-    """A bound, and a run that is to lose the position beyond it."""
-
-    @property
-    def run_mm(self) -> int: ...
-    @property
-    def steps(self) -> Sequence[Mapping[str, Any]]: ...
-    @property
-    def first(self) -> Mapping[str, int]: ...
-
-
-def broken_beyond(one: _Counting, held: _Losing) -> int | None:
+def broken_beyond(one: _Counting, held: HeldStretch) -> int | None:
     """Return the cycle, from 0, in which the run withdraws the position within 1 mm more than the bound, by the reference
     interpreter; None if it does not, or if the run breaks a law of the world.
     """

@@ -11,8 +11,8 @@ from safeloc.models.line_runs.configs import LineVehicle
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.proof.provers.limits import Limits
 from safeloc.railway.audit import audit
-from safeloc.railway.design.held_by_markers import HeldRun, followed, held_run, layout_of, proof_of
-from safeloc.railway.design.held_stretch import broken_beyond
+from safeloc.railway.design.held_by_markers import followed, held_run, layout_of, proof_of
+from safeloc.railway.design.held_stretch import HeldStretch, broken_beyond
 from tests.railway.map.made import marker, straight
 
 LAYOUTS = {
@@ -32,7 +32,7 @@ def config(name: str) -> OdometryConfig:
     return LineVehicle(layout=LAYOUTS[name], trust_first=True).odometry()
 
 
-def bound(name: str, accuracy_mm: int = 300) -> HeldRun:
+def bound(name: str, accuracy_mm: int = 300) -> HeldStretch:
     """The machine's bound, where there is one."""
     found = held_run(config(name), accuracy_mm)
     assert found is not None
@@ -52,7 +52,7 @@ def test_one_millimetre_more_loses_the_position(name: str) -> None:
     held = bound(name)
     one = followed(config(name), 1, 300)
     assert broken_beyond(one, held) == len(held.steps) - 1
-    shorter = HeldRun(300, held.run_mm, held.measured_mm, held.steps[:-1], held.first)
+    shorter = HeldStretch(300, held.run_mm, held.measured_mm, held.steps[:-1], held.first)
     assert broken_beyond(one, shorter) is None
 
 
