@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import pytest
 
-from safeloc.codegen.smtlib import Query, to_smtlib
 from safeloc.language.expr import (
-    FALSE,
     Bool,
     Lit,
     Num,
@@ -25,8 +22,7 @@ from safeloc.language.expr import (
 from safeloc.language.units import MM, NM, PPM, PPM_PER_ONE
 from safeloc.models import layout_rules as rules
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.proof.provers.implication import Refuted, unproved
-from safeloc.proof.provers.recheck import recheck
+from tests.models.sufficient_rules import Claim, require_loose, require_sufficient
 
 LAYOUTS = {
     "default": LayoutConfig(),
@@ -50,16 +46,6 @@ SPACING, VIEW_FROM, VIEW_TO = mm("spacing"), mm("view_from"), mm("view_to")
 TRUE_MM, ESTIMATE = mm("true", -REACH), mm("estimate", -REACH)
 MEASURED, FIX, OTHER, STATED = mm("measured"), mm("fix_error"), mm("other", -REACH), mm("stated")
 POSITIVE = [one >= 0 for one in (SPACING, VIEW_FROM, VIEW_TO, MEASURED, FIX, STATED)]
-
-
-@dataclass(frozen=True, eq=False)
-class Claim:
-    """Under `given`, and a rule of the layout, the goal holds; with `loose` in the rule's place it does not."""
-
-    given: Sequence[Bool]
-    rule: Bool
-    loose: Bool
-    goal: Bool
 
 
 def near(first: Num, second: Num, bound: int) -> Bool:
@@ -211,10 +197,7 @@ CLAIMS: dict[str, Callable[[LayoutConfig], Claim]] = {
 def test_the_rule_suffices(name: str, layout: str) -> None:
     """For every length: proved by z3, confirmed by cvc5; the rule itself can be kept."""
     claim = CLAIMS[name](LAYOUTS[layout])
-    given = [*POSITIVE, *claim.given, claim.rule]
-    assert {} == unproved(Query(name, given, {"goal": claim.goal}), 30)
-    assert ["unsat"] == recheck(f"{name}.smt2", to_smtlib(Query(name, given, {"goal": claim.goal})), 1)
-    assert isinstance(unproved(Query(name, given, {"nothing": FALSE}), 30)["nothing"], Refuted)
+    require_sufficient(name, POSITIVE, claim)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
@@ -222,5 +205,4 @@ def test_the_rule_suffices(name: str, layout: str) -> None:
 def test_a_looser_rule_does_not_suffice(name: str, layout: str) -> None:
     """With the obvious but looser rule there is a counterexample."""
     claim = CLAIMS[name](LAYOUTS[layout])
-    given = [*POSITIVE, *claim.given, claim.loose]
-    assert isinstance(unproved(Query(name, given, {"goal": claim.goal}), 30).get("goal"), Refuted)
+    require_loose(name, POSITIVE, claim)

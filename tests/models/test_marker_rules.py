@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import pytest
 
-from safeloc.codegen.smtlib import Query, to_smtlib
-from safeloc.language.expr import FALSE, Bool, BoolVar, Lit, Var, as_num, between, exact_to, number, with_unit
+from safeloc.language.expr import BoolVar, Lit, Var, as_num, between, exact_to, number, with_unit
 from safeloc.language.interpret import evaluate
 from safeloc.language.nodes import Value
 from safeloc.language.terms import variables
@@ -18,8 +16,7 @@ from safeloc.models.layout_rules import markers as rules
 from safeloc.models.layout_rules.marker_readers import MarkerReaders
 from safeloc.models.odometry import build
 from safeloc.models.odometry.variables import OdometryConfig, parts
-from safeloc.proof.provers.implication import Refuted, unproved
-from safeloc.proof.provers.recheck import recheck
+from tests.models.sufficient_rules import Claim, require_loose, require_sufficient
 
 LAYOUTS = {
     "default": LayoutConfig(markers=MarkerReaders()),
@@ -35,16 +32,6 @@ BEFORE, LAST, FIRST_OFF = (
 )
 FIX = number("fix", NM, 0, REACH * NM_PER_MM)
 ALL = [between(0, one, REACH) for one in (DISTANCE, APART, BEFORE, LAST)] + [between(0, FIX, REACH * NM_PER_MM)]
-
-
-@dataclass(frozen=True, eq=False)
-class Claim:
-    """Under `given`, and a rule, the goal holds; with `loose` in the rule's place it does not."""
-
-    given: list[Bool]
-    rule: Bool
-    loose: Bool
-    goal: Bool
 
 
 def kept(layout: LayoutConfig) -> Claim:
@@ -75,10 +62,7 @@ CLAIMS: dict[str, Callable[[LayoutConfig], Claim]] = {claim.__name__: claim for 
 def test_the_rule_suffices(name: str, layout: str) -> None:
     """For every length: proved by z3, confirmed by cvc5; the rule itself can be kept."""
     claim = CLAIMS[name](LAYOUTS[layout])
-    given = [*ALL, *claim.given, claim.rule]
-    assert {} == unproved(Query(name, given, {"goal": claim.goal}), 30)
-    assert ["unsat"] == recheck(f"{name}.smt2", to_smtlib(Query(name, given, {"goal": claim.goal})), 1)
-    assert isinstance(unproved(Query(name, given, {"nothing": FALSE}), 30)["nothing"], Refuted)
+    require_sufficient(name, ALL, claim)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
@@ -86,9 +70,7 @@ def test_the_rule_suffices(name: str, layout: str) -> None:
 def test_a_looser_rule_does_not_suffice(name: str, layout: str) -> None:
     """Without the cycle in which the next marker is read there is a counterexample."""
     claim = CLAIMS[name](LAYOUTS[layout])
-    assert isinstance(
-        unproved(Query(name, [*ALL, *claim.given, claim.loose], {"goal": claim.goal}), 30).get("goal"), Refuted
-    )
+    require_loose(name, ALL, claim)
 
 
 def test_the_closed_form_of_the_marked_line() -> None:
