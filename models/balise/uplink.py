@@ -1,4 +1,4 @@
-"""Inputs of the balise machine from what trackside sends: linking (packet 5), national values (packet 3), group readings.
+"""Inputs of the balise machine from what trackside sends: linking (packet 5), national values (3), reflectors (44), readings.
 
 A telegram tells distances; places follow from that of the group that sent it. Coordinates grow in the direction of running.
 """
@@ -14,6 +14,7 @@ from safeloc.language.units import MM_PER_M
 from safeloc.models.balise.groups import GROUPS_OF_A_COUNTRY
 from safeloc.models.balise.linking import LARGEST_ACCURACY_MM
 from safeloc.railway.telegrams.layout import Values
+from safeloc.railway.telegrams.next_reflector import told_by
 from safeloc.railway.telegrams.variables import UNKNOWN_LENGTH, length_mm, scale_mm
 from safeloc.runtime.streams.steps import Cell
 
@@ -160,6 +161,23 @@ def group_reading(
         "telegram_age_ms": age_ms,
         "telegram_since_mm": since_mm,
     }
+    return {name: value for name, value in inputs.items() if value is not None}
+
+
+def reflector_ahead(
+    telegrams: Sequence[Mapping[str, Any]], passed: Literal["NOMINAL", "REVERSE"], *, nid_xuser: int
+) -> dict[str, Cell]:
+    """Return the inputs of the next reflector (RFL-5) from packet 44 of a group's telegrams; none if it tells of none.
+
+    Give them in the cycle of `group_reading`. nid_xuser: the user whose data these are. InputError if the data are not those of
+    `safeloc.railway.telegrams.next_reflector`, or the telegrams contradict each other.
+    """
+    packets = (one for telegram in telegrams for one in telegram["packets"])
+    concerned = (one for one in packets if "Q_DIR" in one and concerns(one, passed))
+    found = told_by(concerned, nid_xuser=nid_xuser)
+    if found is None:
+        return {}
+    inputs = {"telegram_reflector_mm": found.reflector_mm, "telegram_search_mm": found.search_mm}
     return {name: value for name, value in inputs.items() if value is not None}
 
 

@@ -15,10 +15,12 @@ from safeloc.models.balise.uplink import (
     concerns,
     group_reading,
     identity,
+    reflector_ahead,
     valid_from_mm,
 )
 from safeloc.railway.telegrams.balise_telegram import decode_telegram, encode_telegram
 from safeloc.railway.telegrams.layout import BitReader
+from safeloc.railway.telegrams.next_reflector import NextReflector, packet_of
 from safeloc.railway.telegrams.packets import BODIES, decode_packet, encode_packet
 from safeloc.railway.telegrams.position_report import Front, Lrbg, Train, position_report, reported_interval
 from tests.models.balise_runs import PLAIN, drive, step
@@ -125,6 +127,22 @@ def test_telegrams_that_are_no_group_are_refused() -> None:
         group_reading([balise(0), balise(1, NID_BG=22)], age_ms=0)
     with pytest.raises(InputError, match="one balise comes twice"):
         group_reading([balise(0), balise(0)], age_ms=0)
+
+
+def test_a_telegram_tells_the_reflector_of_its_direction() -> None:
+    """The place of a reflector for each direction of running: the machine keeps the one that lies ahead, and where its search begins."""
+    ahead, behind = NextReflector(150_000, 120_000), NextReflector(90_000)
+    sent = [packet_of(ahead, nid_xuser=300, q_dir=1), packet_of(behind, nid_xuser=300, q_dir=0)]
+    values = {**HEADER, "N_TOTAL": 0, "packets": [{"NID_PACKET": 0, "NID_VBCMK": 5}, *sent]}
+    telegrams = [decode_telegram(encode_telegram(values, 830))]
+    assert {"telegram_reflector_mm": 90_000} == reflector_ahead(telegrams, "REVERSE", nid_xuser=300)
+    assert {} == reflector_ahead(telegrams, "NOMINAL", nid_xuser=301)
+    inputs = reflector_ahead(telegrams, "NOMINAL", nid_xuser=300)
+    assert {"telegram_reflector_mm": 150_000, "telegram_search_mm": 120_000} == inputs
+    read = group_reading([balise(number) for number in range(3)], age_ms=0, since_mm=0)
+    read |= {"telegram_position_mm": 40_000, "telegram_orientation": "NOMINAL"}
+    outputs = drive([read | inputs]).steps[-1].outputs
+    assert (190_000, 160_000) == (outputs["reflector_mm"], outputs["search_mm"])
 
 
 def test_from_telegrams_to_reports() -> None:

@@ -1,4 +1,4 @@
-"""Packets of SUBSET-026 7.4 in system version 2: national values, linking, virtual balise cover, position reports.
+"""Packets of SUBSET-026 7.4 in system version 2: national values, linking, virtual balise cover, position reports, other data.
 
 A packet that is not known here is kept as its bits, and written as it was read: nothing is lost.
 """
@@ -16,6 +16,10 @@ Sender = Literal["track", "train"]
 END = 255
 """NID_PACKET of the end of a telegram; it has no length."""
 VIRTUAL_COVER_MARKER = 0
+OTHER_DATA = 44
+"""NID_PACKET of data for an application outside ETCS, which NID_XUSER names; only that application knows their layout."""
+_NATIONAL_SYSTEM = 102
+"""NID_XUSER of a national train control system, which NID_NTC names."""
 _LINK: Sequence[Part] = (
     "D_LINK", "Q_NEWCOUNTRY", Given("Q_NEWCOUNTRY", {1}, ("NID_C",)), "NID_BG", "Q_LINKORIENTATION", "Q_LINKREACTION",
     "Q_LOCACC",
@@ -55,8 +59,10 @@ BODIES: Mapping[tuple[Sender, int], Sequence[Part]] = {
     ),
     ("track", 5): ("Q_SCALE", *_LINK, Listed("D_LINK(k)", _LINK)),
     ("track", 6): ("Q_VBCO", "NID_VBCMK", "NID_C", Given("Q_VBCO", {1}, ("T_VBC",))),
+    ("track", OTHER_DATA): ("NID_XUSER", Given("NID_XUSER", {_NATIONAL_SYSTEM}, ("NID_NTC",))),
 }  # fmt: skip
-"""The parts behind NID_PACKET, Q_DIR (from the track) and L_PACKET, by sender and NID_PACKET."""
+"""The parts behind NID_PACKET, Q_DIR (from the track) and L_PACKET, by sender and NID_PACKET. Behind those of packet 44
+follow the data of its user, as `bits`."""
 _BARE: Mapping[int, Sequence[Part]] = {VIRTUAL_COVER_MARKER: ("NID_VBCMK",), END: ()}
 """Packets from the track that have neither direction nor length."""
 
@@ -72,14 +78,14 @@ def decode_packet(bits: BitReader, sender: Sender, *, known: bool = True) -> Val
         return decoded(("NID_PACKET", *_BARE[number]), bits)
     header = decoded(_header(sender), bits)
     body = BODIES.get((sender, number)) if known else None
-    if body is None:
+    values = header if body is None else header | decoded(body, bits)
+    if body is None or number == OTHER_DATA:
         rest = header["L_PACKET"] - (bits.at - begin)
         if rest < 0:
             raise InputError(
                 f"bit {begin}: packet {number} is said to have {header['L_PACKET']} bits, fewer than its header."
             )
-        return {**header, "bits": bits.take(rest)}
-    values = header | decoded(body, bits)
+        return {**values, "bits": bits.take(rest)}
     if bits.at - begin != values["L_PACKET"]:
         raise InputError(
             f"bit {begin}: packet {number} has {bits.at - begin} bits, its L_PACKET says {values['L_PACKET']}."
@@ -96,20 +102,28 @@ def encode_packet(values: Mapping[str, Any], sender: Sender) -> str:
     if sender == "track" and number in _BARE:
         return encoded(("NID_PACKET", *_BARE[number]), values, where)
     kept = dict(values)
-    raw, stated = kept.pop("bits", None), kept.pop("L_PACKET", None)
-    body = BODIES.get((sender, number))
-    if body is None and not isinstance(raw, str):
-        raise InputError(f"{where}is not known here; give its content as bits.")
+    stated = kept.pop("L_PACKET", None)
     header = _header(sender)
     names = [part for part in header if isinstance(part, str)]
     first = {name: kept.pop(name) for name in names if name in kept}
-    content = (
-        encoded(body, kept, where) if raw is None and body is not None else BitReader(raw or "").take(len(raw or ""))
-    )
+    content = _content(number, BODIES.get((sender, number)), kept, where)
     length = sum(VARIABLES[name].bits for name in names) + len(content)
     if stated not in (None, length):
         raise InputError(f"{where}L_PACKET is {stated}, but it has {length} bits.")
     return encoded(header, {**first, "L_PACKET": length}, where) + content
+
+
+def _content(number: int, body: Sequence[Part] | None, values: Mapping[str, Any], where: str) -> str:
+    """Return what follows the header: the values by the layout; else, and behind those of packet 44, the bits as they are."""
+    left = {name: value for name, value in values.items() if name != "bits"}
+    raw = values.get("bits")
+    if raw is None and body is not None:
+        return encoded(body, left, where)
+    if not isinstance(raw, str):
+        raise InputError(f"{where}is not known here; give its content as bits.")
+    read_as_values = number == OTHER_DATA and "NID_XUSER" in left
+    layout = body if read_as_values and body is not None else ()
+    return encoded(layout, left, where) + BitReader(raw).take(len(raw))
 
 
 def _header(sender: Sender) -> Sequence[Part]:

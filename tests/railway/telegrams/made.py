@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from safeloc.railway.telegrams.layout import Given, Listed, Part
-from safeloc.railway.telegrams.packets import BODIES, Sender
+from safeloc.railway.telegrams.packets import BODIES, OTHER_DATA, Sender
 from safeloc.railway.telegrams.variables import variable_of
 
 
@@ -40,6 +40,8 @@ def packets(sender: Sender, *numbers: int) -> st.SearchStrategy[dict[str, Any]]:
 
     def whole(number: int) -> st.SearchStrategy[dict[str, Any]]:
         head = st.fixed_dictionaries({"NID_PACKET": st.just(number), **direction})
-        return st.tuples(head, layouts(BODIES[sender, number])).map(lambda both: both[0] | both[1])
+        data = {"bits": st.text("01", max_size=60)} if number == OTHER_DATA else {}
+        parts = (head, layouts(BODIES[sender, number]), st.fixed_dictionaries(data))
+        return st.tuples(*parts).map(lambda each: each[0] | each[1] | each[2])
 
     return st.sampled_from(known).flatmap(whole)

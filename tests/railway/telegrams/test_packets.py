@@ -87,6 +87,34 @@ def test_a_packet_that_is_not_known_keeps_its_bits() -> None:
     assert bits == encode_packet(found, "track")
 
 
+def test_data_of_another_application_keep_their_bits_behind_its_user() -> None:
+    """Packet 44: the user, for a national system its number as well, then the user's own bits; without them the packet is whole too."""
+    cases: tuple[tuple[dict[str, Any], int], ...] = (
+        ({"NID_XUSER": 5, "bits": "0110"}, 36),
+        ({"NID_XUSER": 102, "NID_NTC": 7, "bits": ""}, 40),
+        ({"NID_XUSER": 102, "NID_NTC": 7, "bits": "1"}, 41),
+    )
+    for packet, size in cases:
+        bits = encode_packet({"NID_PACKET": 44, "Q_DIR": 1, **packet}, "track")
+        assert size == len(bits)
+        assert {"NID_PACKET": 44, "Q_DIR": 1, "L_PACKET": size, **packet} == decode_packet(
+            BitReader(bits + "1"), "track"
+        )
+    assert f"{44:08b}" + "01" + f"{36:013b}" + f"{5:09b}" + "0110" == encode_packet(
+        {"NID_PACKET": 44, "Q_DIR": 1, "NID_XUSER": 5, "bits": "0110"}, "track"
+    )
+    with pytest.raises(InputError, match=r"^packet 44: NID_NTC: no place for this here"):
+        encode_packet({"NID_PACKET": 44, "Q_DIR": 1, "NID_XUSER": 5, "NID_NTC": 7, "bits": ""}, "track")
+    with pytest.raises(InputError, match=r"^bit 0: packet 44 is said to have 31 bits, fewer than its header"):
+        decode_packet(BitReader(f"{44:08b}" + "01" + f"{31:013b}" + f"{5:09b}"), "track")
+
+
+def test_values_beside_the_bits_of_a_packet_are_refused() -> None:
+    """A packet that is given as bits takes no values: they would be lost."""
+    with pytest.raises(InputError, match=r"^packet 5: Q_SCALE: no place for this here"):
+        encode_packet({"NID_PACKET": 5, "Q_DIR": 1, "Q_SCALE": 1, "bits": "0"}, "track")
+
+
 @given(packets("train", 0), st.sampled_from([0, 3]), st.sampled_from([0, 2, 3, 4]))
 def test_every_value_of_a_report_stands_where_the_table_has_it(packet: dict[str, Any], length: int, level: int) -> None:
     """Cut out of the bits by first bit and length; 114 bits in all without a train length and a national system."""
@@ -184,13 +212,10 @@ HEADER = {
 def test_a_telegram_there_and_back() -> None:
     """50 bits of header, the packets, 8 bits of end; filled up to a short telegram of 210 bits."""
     cover = {"NID_PACKET": 0, "NID_VBCMK": 5}
-    telegram = {**HEADER, "packets": [cover, {**PUBLISHED, "D_LINK(k)": []}]}
+    telegram: dict[str, Any] = {**HEADER, "packets": [cover, {**PUBLISHED, "D_LINK(k)": []}]}
     del telegram["packets"][1]["L_PACKET"]
     bits = encode_telegram(telegram, 210)
-    assert (210, 50 + 14 + 69 + 8) == (
-        len(bits),
-        len(bits.rstrip("1")) + 0 if False else len(encode_telegram(telegram)),
-    )
+    assert (210, 50 + 14 + 69 + 8) == (len(bits), len(encode_telegram(telegram)))
     found = decode_telegram(bits)
     assert {name: found[name] for name in HEADER} == HEADER
     assert [0, 5] == [packet["NID_PACKET"] for packet in found["packets"]]
