@@ -153,6 +153,26 @@ def test_lines_of_nested_tables() -> None:
     assert 1 == line_of(text, ("absent",))
 
 
+def test_lines_of_arrays_and_quoted_names() -> None:
+    """An entry of an array has the line where it begins; brackets in comments and strings are none, and rows no headers."""
+    text = (
+        "[areas.\"west:1\"]\nm = [\n  [0, 5], # x, [\n  ['a]'],\n  # nothing\n\n  [5,\n   6],\n]\n"
+        "q = [1, 2]\nk = [\n  1,\n  2]\nz = 3\n"
+    )
+    places: tuple[tuple[str | int, ...], ...] = (
+        (),
+        ("m", 0),
+        ("m", 1),
+        ("m", 2),
+        ("m", 2, 1),
+        ("m", 3),
+        ("q", 1),
+        ("k", 1),
+        ("z",),
+    )
+    assert [1, 3, 4, 7, 8, 2, 10, 13, 14] == [line_of(text, ("areas", "west:1", *one)) for one in places]
+
+
 @pytest.mark.parametrize("depth", [150, 900, 100_000])
 @pytest.mark.parametrize("name", ["deep.toml", "deep.json"])
 def test_deep_nesting(tmp_path: Path, name: str, depth: int) -> None:
