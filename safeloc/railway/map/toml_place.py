@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from pydantic import ValidationError
 
+from safeloc.railway.map.flaws import FlawsError
 from safeloc.runtime.outside import quoted
 
 Place = Sequence[str | int]
@@ -90,6 +91,9 @@ def refusal(error: ValidationError, where: Callable[[Place], str]) -> str:
     found = error.errors(include_url=False)
     wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
     first = wrong[0]
+    across = first.get("ctx", {}).get("error")
+    if isinstance(across, FlawsError):
+        return f"{across.told(where).rstrip('.')}."
     key = ".".join(str(part) for part in first["loc"])
     message = first["msg"].removeprefix("Value error, ")
     text = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
