@@ -21,6 +21,7 @@ from safeloc.railway.design.design_data import design_data, lines
 from safeloc.railway.design.designing import Design, Task, design
 from safeloc.railway.design.figures import Added, Costs
 from safeloc.railway.design.nearest import nearest_kept, with_tolerance
+from safeloc.railway.design.options import kept
 from safeloc.railway.map.toml_files import find_line
 from safeloc.runtime.streams.steps import write_steps
 
@@ -52,7 +53,7 @@ def design_line(name: str, wanted: str, options: DesignOptions) -> None:
     line, base = find_line(name), find_layout(options.vehicle) if options.vehicle else LayoutConfig()
     tolerance_mm = _tolerance_mm(wanted)
     task = Task(line, base, _figures(Costs, options.costs), _figures(Added, options.added), options.keep)
-    _refuse_unknown(task)
+    kept(line, options.keep)
     if task.added.markers and base.markers is None:
         raise InputError(
             "--add markers=N is for a vehicle that reads them: give one with --vehicle whose file has the table [localization.markers] "
@@ -132,11 +133,3 @@ def _figures(model: type[_Figures], given: Sequence[str]) -> _Figures:
     except ValidationError as error:
         first = error.errors()[0]
         raise typer.BadParameter(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from None
-
-
-def _refuse_unknown(task: Task) -> None:
-    line = task.line
-    known = {one.id for there in (line.balise_groups, line.reflectors, line.markers) for one in there}
-    unknown = [one for one in task.keep if one not in known]
-    if unknown:
-        raise InputError(f"{task.line.name} has no balise group, reflector or marker {unknown[0]!r}.")
