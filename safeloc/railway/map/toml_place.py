@@ -86,17 +86,21 @@ def _enter(header: str, repeated: bool, counts: dict[tuple[str | int, ...], int]
     return path
 
 
-def refusal(error: ValidationError, where: Callable[[Place], str]) -> str:
-    """Return why a file is refused: place, key and message of its first flaw; `where` turns the path of a value into words."""
+def refusal(error: ValidationError, where: Callable[[Place], str], within: tuple[str | int, ...] = ()) -> str:
+    """Return why a file is refused: place, key, message and value of its first flaw; `where` turns the path of a value into words.
+
+    within  the table of the file that was validated, if it is not the whole file
+    """
     found = error.errors(include_url=False)
     wrong = [one for one in found if not any(_within(other["loc"], one["loc"]) for other in found)]
     first = wrong[0]
     across = first.get("ctx", {}).get("error")
     if isinstance(across, FlawsError):
         return f"{across.told(where).rstrip('.')}."
-    key = ".".join(str(part) for part in first["loc"])
+    place = (*within, *first["loc"])
+    key = ".".join(str(part) for part in place)
     message = first["msg"].removeprefix("Value error, ")
-    text = f"{where(first['loc'])}: {key}: {message}" if key else f"{where(())}: {message}"
+    text = f"{where(place)}: {key}: {message}" if key else f"{where(())}: {message}"
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
     got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
     return f"{text.rstrip('.')}{got}.{more}"
