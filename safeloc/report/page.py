@@ -232,7 +232,7 @@ def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
 def _assumed_once(rows: Sequence[_Data]) -> list[_Data]:
     """Return the rows; one with the long assumption of an earlier row refers to that one (`assumed_as`) in place of the text."""
     first: dict[str, _Data] = {}
-    found = []
+    found: list[_Data] = []
     for row in rows:
         before = first.setdefault(row["assumption"], row)
         again = before is not row and len(row["assumption"]) > _LONG_ASSUMPTION
