@@ -23,10 +23,10 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: TimeOfFlight) -> list[Property]:
-    """Return the properties: time and distance are told exactly when measured, and the distance holds the vehicle."""
+    """Return the properties: time and distance are reported exactly when measured, and the distance holds the vehicle."""
     return [
         *_truth(model),
-        *_told(model),
+        *_reported(model),
         *_shown(model),
         *_time(model),
         *_half_the_way(model),
@@ -35,7 +35,7 @@ def properties(model: TimeOfFlight) -> list[Property]:
     ]
 
 
-def _told_now(model: TimeOfFlight) -> Bool:
+def _reported_now(model: TimeOfFlight) -> Bool:
     return model.machine.flag("distance_reported")
 
 
@@ -55,12 +55,12 @@ def _place(model: TimeOfFlight) -> tuple[Num, Num]:
 
 
 def _truth(model: TimeOfFlight) -> Iterator[Property]:
-    """Claim that what is told holds the vehicle, and that a vehicle whose pattern is timed is told."""
+    """Claim that what is reported holds the vehicle, and that a vehicle whose pattern is timed is reported."""
     own, machine = model.own, model.machine
     (low, high), (near, far) = _distance(model), _place(model)
     yield under_assumption(
         "the distance holds the vehicle",
-        _told_now(model).implies(between(exact_to(low, UM), own.true_distance, exact_to(high, UM))),
+        _reported_now(model).implies(between(exact_to(low, UM), own.true_distance, exact_to(high, UM))),
         statement="the bounds of Ls contain the distance along the fibre from the sensing end to the vehicle's end, after the cycle",
     )
     yield under_assumption(
@@ -69,20 +69,20 @@ def _truth(model: TimeOfFlight) -> Iterator[Property]:
         statement="a reported place along the track contains the vehicle's end",
     )
     yield under_assumption(
-        "a vehicle that is timed is told",
-        own.delay.present.implies(_told_now(model)),
-        statement="whenever the delay of a vehicle's pattern is measured, time of flight and distance are told in that cycle",
+        "a vehicle that is timed is reported",
+        own.delay.present.implies(_reported_now(model)),
+        statement="whenever the delay of a vehicle's pattern is measured, time of flight and distance are reported in that cycle",
     )
 
 
-def _told(model: TimeOfFlight) -> Iterator[Property]:
-    """Claim that time and distance are told if they are known, and are absent otherwise: both directions."""
+def _reported(model: TimeOfFlight) -> Iterator[Property]:
+    """Claim that time and distance are reported if they are known, and are absent otherwise: both directions."""
     own, machine = model.own, model.machine
     yield for_all_inputs(
-        "time and distance are told exactly when they are known",
-        _told_now(model).iff(own.delay.present & ~_beyond(own)),
-        statement="time of flight and distance are told in a cycle with a delay, unless it is longer than light needs to the fibre's end and "
-        "back; in any other cycle they are absent, whatever was told before",
+        "time and distance are reported exactly when they are known",
+        _reported_now(model).iff(own.delay.present & ~_beyond(own)),
+        statement="time of flight and distance are reported in a cycle with a delay, unless it is longer than light needs to the fibre's end and "
+        "back; in any other cycle they are absent, whatever was reported before",
     )
     yield for_all_inputs(
         "a delay beyond the fibre is reported",
@@ -90,28 +90,28 @@ def _told(model: TimeOfFlight) -> Iterator[Property]:
         statement="a delay that only a place beyond the fibre's end explains is reported as such, and no other",
     )
     yield for_all_inputs(
-        "a place is told exactly with a surveyed point",
-        machine.flag("valid").iff(_told_now(model) & own.map_known),
-        statement="the place along the track is told in a cycle with a distance and a surveyed point of the cable map, and in no other",
+        "a place is reported exactly with a surveyed point",
+        machine.flag("valid").iff(_reported_now(model) & own.map_known),
+        statement="the place along the track is reported in a cycle with a distance and a surveyed point of the cable map, and in no other",
     )
 
 
 def _shown(model: TimeOfFlight) -> Iterator[Property]:
     """Claim the outputs themselves: absent while not known, and each value the middle of its bounds."""
-    output, told, placed = model.machine.output, _told_now(model), model.machine.flag("valid")
+    output, reported, placed = model.machine.output, _reported_now(model), model.machine.flag("valid")
     margins = [output(f"distance_margin_{side}_mm") for side in ("below", "above")]
     absent = [output("flight_time_ps").eq(NO_MARGIN_MM), output("distance_mm").eq(NO_POSITION_MM)]
     absent += [margin.eq(NO_MARGIN_MM) for margin in margins]
     yield for_all_inputs(
         "what is not known is absent",
-        (~told).implies(all_of(absent)) & (~placed).implies(no_interval(model.machine)),
-        statement="while no distance is told, time of flight, distance and its margins are absent; while no place is told, position and its "
+        (~reported).implies(all_of(absent)) & (~placed).implies(no_interval(model.machine)),
+        statement="while no distance is reported, time of flight, distance and its margins are absent; while no place is reported, position and its "
         "margins are",
     )
     along = [output(f"margin_{side}_mm") for side in ("below", "above")]
     yield for_all_inputs(
-        "what is told is the middle of its bounds",
-        told.implies(_even(*margins)) & placed.implies(_even(*along)),
+        "what is reported is the middle of its bounds",
+        reported.implies(_even(*margins)) & placed.implies(_even(*along)),
         statement="the distance lies in the middle of its bounds, and so does the place: margins are not negative, and the upper one is "
         "greater by one millimetre at most",
     )
@@ -142,15 +142,15 @@ def _indices(own: Parts) -> tuple[int, int]:
 
 
 def _time(model: TimeOfFlight) -> Iterator[Property]:
-    """Claim the time of flight that is told, and that the distance grows with it (l. 173)."""
-    own, time = model.own, model.own.time_told
+    """Claim the time of flight that is reported, and that the distance grows with it (l. 173)."""
+    own, time = model.own, model.own.time_reported
     yield for_all_inputs(
-        "the time told is the one measured",
-        _told_now(model).implies(time.eq(own.delay.value) & model.machine.output("flight_time_ps").eq(time)),
+        "the time reported is the one measured",
+        _reported_now(model).implies(time.eq(own.delay.value) & model.machine.output("flight_time_ps").eq(time)),
         statement="the time of flight is the delay of this cycle, to the picosecond",
     )
     (low, high) = own.low, own.high
-    both = _told_now(model) & earlier_bool(_told_now(model))
+    both = _reported_now(model) & earlier_bool(_reported_now(model))
     yield for_all_inputs(
         "a longer time is a greater distance",
         (both & (time >= before(time))).implies((low >= before(low)) & (high >= before(high))),
@@ -169,7 +169,7 @@ def _half_the_way(model: TimeOfFlight) -> Iterator[Property]:
     at_most = (_way(far, most) >= longest) & (longest > _way(far - 2, most))
     yield for_all_inputs(
         "the distance is half the way of light",
-        _told_now(model).implies(at_least & at_most),
+        _reported_now(model).implies(at_least & at_most),
         statement="Ls is T V / 2 with V = c0 / n: the lower bound with the shortest time and the greatest index, the upper one with the "
         "longest time and the least index, each widened by the pattern's error, and rounded outward by less than two millimetres",
     )
@@ -205,21 +205,23 @@ def _along_the_track(model: TimeOfFlight) -> Iterator[Property]:
 
 def _shortened(ran: Num, fibre: Num, slack: int, *, up: bool) -> Bool:
     """Return the condition that a run is that length of fibre without its slack, in whole mm, rounded up or down."""
-    exact, told = with_unit(fibre * slack, ONE), with_unit(ran * PPM_PER_ONE, ONE)
-    off = told - exact if up else exact - told
+    exact, reported = with_unit(fibre * slack, ONE), with_unit(ran * PPM_PER_ONE, ONE)
+    off = reported - exact if up else exact - reported
     return (off >= 0) & (off < PPM_PER_ONE)
 
 
 def _reached(model: TimeOfFlight) -> Iterator[Property]:
     machine = model.machine
-    told = _told_now(model)
+    reported = _reported_now(model)
     reached = partial(reachable, requirements=REQUIREMENTS)
     yield reached(
-        "a distance is told", told & ~machine.flag("valid"), statement="a distance can be told without a place"
+        "a distance is reported",
+        reported & ~machine.flag("valid"),
+        statement="a distance can be reported without a place",
     )
-    yield reached("a place is told", machine.flag("valid"), statement="a place along the track can be told")
+    yield reached("a place is reported", machine.flag("valid"), statement="a place along the track can be reported")
     yield reached(
-        "nothing is told after a distance",
-        ~told & earlier_bool(told),
-        statement="what was told is given up without a delay",
+        "nothing is reported after a distance",
+        ~reported & earlier_bool(reported),
+        statement="what was reported is given up without a delay",
     )

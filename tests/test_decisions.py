@@ -34,6 +34,14 @@ def test_each_decision_has_its_three_parts(page: Path) -> None:
     assert (without, twice, long) == ([], [], [])
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_numbers_run_on(page: Path) -> None:
+    """Under each heading they run on from 1, so that a number means one decision."""
+    for part in re.split(r"^#+ ", page.read_text(encoding="utf-8"), flags=re.MULTILINE):
+        numbers = [int(one) for one in re.findall(r"^(\d+)\. ", part, re.MULTILINE)]
+        assert numbers == list(range(1, len(numbers) + 1))
+
+
 def test_every_page_is_in_the_list() -> None:
     """README of the decisions names each page once."""
     listed = re.findall(r"\]\((\w+\.md)\)", (PAGES[0].parent / "README.md").read_text(encoding="utf-8"))

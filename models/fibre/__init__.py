@@ -92,7 +92,7 @@ def build_coupled(own: Parts, config: CoupledConfig) -> Fibre:
     fibre = coupling(own, config)
 
     def around(cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -> tuple[World, dict[str, Bool]]:
-        return coupled_world(fibre), {**_counts(own, cycle, current, table), **_heard(fibre)}
+        return coupled_world(fibre), {**_counts(own, cycle, current, table), **_last_received(fibre)}
 
     return replace(_built(own, "fibre_coupled", around, _COUPLED_DOC), coupling=fibre)
 
@@ -292,13 +292,16 @@ def _counts(own: Parts, cycle: Cycle, current: NumVar, table: tuple[Lit, ...]) -
     }
 
 
-def _heard(fibre: Coupling) -> dict[str, Bool]:
-    """Return the lemmas that tie the amplitude's band to the section that was heard."""
+def _last_received(fibre: Coupling) -> dict[str, Bool]:
+    """Return the lemmas that tie the amplitude's band to the section in which it was last received."""
     band = fibre.own.band
     return {
-        "beside the sections the band is normal": fibre.heard.eq(BESIDE).implies(band.eq(v.NORMAL)),
+        "beside the sections the band is normal": fibre.last_received.eq(BESIDE).implies(band.eq(v.NORMAL)),
         "a section never has the other one's band": all_of(
-            [raises(fibre.heard).implies(band.ne(v.LOWERED)), lowers(fibre.heard).implies(band.ne(v.RAISED))]
+            [
+                raises(fibre.last_received).implies(band.ne(v.LOWERED)),
+                lowers(fibre.last_received).implies(band.ne(v.RAISED)),
+            ]
         ),
     }
 

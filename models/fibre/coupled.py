@@ -66,13 +66,13 @@ class CoupledConfig(FibreConfig):
 class Coupling:
     """Ghosts and choices of the world.
 
-    heard        how the fibre lay where the amplitude was last received; at first as beside the sections
+    last_received  how the fibre lay where the amplitude was last received; at first as beside the sections
     made, vibration, sensitivity   freely chosen within the laws: of the place at the end of the cycle
     """
 
     own: Parts
     config: CoupledConfig
-    heard: NumVar
+    last_received: NumVar
     made: NumVar
     vibration: NumVar
     sensitivity: NumVar
@@ -84,7 +84,7 @@ def coupling(own: Parts, config: CoupledConfig) -> Coupling:
     return Coupling(
         own,
         config,
-        choice("section_heard", kinds),
+        choice("section_last_received", kinds),
         choice("next_section_made", kinds),
         number("vibration_cdb", CDB, -_MOST_CDB, _MOST_CDB),
         number("sensitivity_cdb", CDB, -_MOST_CDB, _MOST_CDB),
@@ -94,9 +94,9 @@ def coupling(own: Parts, config: CoupledConfig) -> Coupling:
 def coupled_world(fibre: Coupling) -> World:
     """Return the world: no clause reads runs, the map, references or code words."""
     return World(
-        ghosts={fibre.heard: BESIDE},
+        ghosts={fibre.last_received: BESIDE},
         choices=[fibre.made, fibre.vibration, fibre.sensitivity],
-        moves={fibre.heard: ite(fibre.own.amplitude.present, fibre.made, fibre.heard)},
+        moves={fibre.last_received: ite(fibre.own.amplitude.present, fibre.made, fibre.last_received)},
         clauses={
             "coupling decides how much vibration reaches the fibre": _coupling_law(fibre),
             "material decides how the guide answers to it": _material_law(fibre),

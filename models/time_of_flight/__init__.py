@@ -5,12 +5,12 @@ light went there and back:
 
     Ls = T V / 2        V = c0 / n
 
-    UNHEARD   no delay was measured in this cycle: there is neither time of flight nor distance
-    DISTANCE  time of flight T and distance Ls along the fibre are told
-    PLACED    the place along the track as well: the cable map has a surveyed point there
-    BEYOND    the delay is longer than light needs to the end of the fibre and back: it is no vehicle, and nothing is told
+    UNMEASURED  no delay was measured in this cycle: there is neither time of flight nor distance
+    DISTANCE    time of flight T and distance Ls along the fibre are reported
+    PLACED      the place along the track as well: the cable map has a surveyed point there
+    BEYOND      the delay is longer than light needs to the end of the fibre and back: it is no vehicle, and nothing is reported
 
-Nothing is kept from cycle to cycle: what is told belongs to the delay of this cycle. `fibre` compares the place with that of its
+Nothing is kept from cycle to cycle: what is reported belongs to the delay of this cycle. `fibre` compares the place with that of its
 sections, and raises the error signal F if they differ by more than a threshold.
 """
 
@@ -40,7 +40,7 @@ def machine(config: TimeOfFlightConfig | None = None) -> Machine:
 
 def build(own: Parts, name: str = "time_of_flight") -> TimeOfFlight:
     """Return the machine over the given variables."""
-    table, flight = modes("UNHEARD", "DISTANCE", "PLACED", "BEYOND"), Flight(own)
+    table, flight = modes("UNMEASURED", "DISTANCE", "PLACED", "BEYOND"), Flight(own)
     made = own.declared.machine(
         name=name,
         modes=table,
@@ -59,27 +59,27 @@ def build(own: Parts, name: str = "time_of_flight") -> TimeOfFlight:
 
 
 def _table(own: Parts, flight: Flight, table: tuple[Lit, ...]) -> Iterator[Transition]:
-    unheard, distance, placed, beyond = table
-    nothing: Updates = dict.fromkeys((own.time_told, own.low, own.high, own.track_low, own.track_high), 0)
-    told: Updates = {**nothing, own.time_told: own.delay.value, own.low: flight.low, own.high: flight.high}
-    on_track: Updates = {**told, own.track_low: flight.track_low, own.track_high: flight.track_high}
-    heard = own.delay.present & ~flight.beyond
+    unmeasured, distance, placed, beyond = table
+    nothing: Updates = dict.fromkeys((own.time_reported, own.low, own.high, own.track_low, own.track_high), 0)
+    reported: Updates = {**nothing, own.time_reported: own.delay.value, own.low: flight.low, own.high: flight.high}
+    on_track: Updates = {**reported, own.track_low: flight.track_low, own.track_high: flight.track_high}
+    timed = own.delay.present & ~flight.beyond
     yield Transition("beyond the fibre", table, beyond, flight.beyond, nothing, REQUIREMENTS, 0)
-    yield Transition("place told", table, placed, heard & own.map_known, on_track, REQUIREMENTS, 1)
-    yield Transition("distance told", table, distance, heard, told, REQUIREMENTS, 2)
-    yield Transition("no delay", table, unheard, TRUE, nothing, REQUIREMENTS, 3)
+    yield Transition("place reported", table, placed, timed & own.map_known, on_track, REQUIREMENTS, 1)
+    yield Transition("distance reported", table, distance, timed, reported, REQUIREMENTS, 2)
+    yield Transition("no delay", table, unmeasured, TRUE, nothing, REQUIREMENTS, 3)
 
 
 def _outputs(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Expr]:
     _, distance, placed, beyond = table
-    told, on_track = current.one_of(distance, placed), current.eq(placed)
+    reported, on_track = current.one_of(distance, placed), current.eq(placed)
     middle, place = floor_div(own.low + own.high, 2), floor_div(own.track_low + own.track_high, 2)
     return {
-        "distance_reported": told,
-        "flight_time_ps": shown_if(told, own.time_told, NO_BOUND),
-        "distance_mm": position_if(told, middle),
-        "distance_margin_below_mm": margin_if(told, middle - own.low),
-        "distance_margin_above_mm": margin_if(told, own.high - middle),
+        "distance_reported": reported,
+        "flight_time_ps": shown_if(reported, own.time_reported, NO_BOUND),
+        "distance_mm": position_if(reported, middle),
+        "distance_margin_below_mm": margin_if(reported, middle - own.low),
+        "distance_margin_above_mm": margin_if(reported, own.high - middle),
         "valid": on_track,
         "position_mm": position_if(on_track, place),
         "margin_below_mm": margin_if(on_track, place - own.track_low),

@@ -22,16 +22,16 @@ class Ride:
     """One run of a train's end along the fibre.
 
     start_mm, step_mm  distance along the fibre before the first cycle, and its change in each
-    upwards    places along the track grow along the fibre
-    unheard    cycles without a delay
-    unmapped   cycles without a surveyed point
+    upwards     places along the track grow along the fibre
+    unmeasured  cycles without a delay
+    unmapped    cycles without a surveyed point
     """
 
     cycles: int
     start_mm: int
     step_mm: int
     upwards: bool = True
-    unheard: tuple[int, ...] = ()
+    unmeasured: tuple[int, ...] = ()
     unmapped: tuple[int, ...] = ()
 
 
@@ -47,7 +47,7 @@ def simulate(config: TimeOfFlightConfig, *, seed: int) -> Steps:
     cycles, step = 120, config.fibre_mm // 600
     upwards = rng.random() < 0.5
     ride = Ride(cycles, config.fibre_mm // 2, step if rng.random() < 0.5 else -step, upwards,
-                unheard=tuple(rng.sample(range(cycles), 12)), unmapped=tuple(rng.sample(range(cycles), 6)))  # fmt: skip
+                unmeasured=tuple(rng.sample(range(cycles), 12)), unmapped=tuple(rng.sample(range(cycles), 6)))  # fmt: skip
     return measured(config, ride, seed)
 
 
@@ -68,7 +68,7 @@ def _step(config: TimeOfFlightConfig, ride: Ride, cycle: int, rng: Random) -> di
         "next_true_distance_um": distance_um, "pattern_origin_um": origin_um,
         "next_truth_nm": (map_position_mm * UM_PER_MM + sign * ran_um) * NM_PER_UM,
     }  # fmt: skip
-    if cycle in ride.unheard:
+    if cycle in ride.unmeasured:
         return step | ghosts
     return step | ghosts | {"delay_ps": _delay_ps(config, origin_um, rng)}
 
@@ -85,7 +85,7 @@ RUNS: Mapping[str, WorkedRun[TimeOfFlightConfig]] = {
     "time_of_flight-service": WorkedRun(
         "A train runs away from the sensing end: time and distance grow, and are absent in the cycles without a delay; the "
         "place is absent where the cable map has no surveyed point.",
-        lambda config: measured(config, Ride(60, 9_500_000, 22_000, unheard=(20, 21), unmapped=(30,))),
+        lambda config: measured(config, Ride(60, 9_500_000, 22_000, unmeasured=(20, 21), unmapped=(30,))),
     ),
     "time_of_flight-towards": WorkedRun(
         "The cable runs against the track, and a train comes towards the sensing end: the distance shrinks, the place grows.",

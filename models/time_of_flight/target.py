@@ -37,7 +37,7 @@ ENTRIES = (
         ),
         configurations=CONFIGURATIONS,
         hazard=Hazard(
-            "a distance along the fibre is told that is not the vehicle's",
+            "a distance along the fibre is reported that is not the vehicle's",
             ("the distance holds the vehicle",),
         ),
         silent=("time_of_flight",),

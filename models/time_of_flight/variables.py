@@ -88,7 +88,7 @@ class Parts:
     delay        time T between a pulse and the backscatter pattern of the vehicle's end, as measured in this cycle
     map_known, map_distance, map_position, map_upwards   the cable map's surveyed point near the end: its distance along the fibre, its
                  place along the track, and whether places along the track grow along the fibre there
-    time_told    the delay told: of this cycle
+    time_reported    the delay as reported: that of this cycle
     low, high    bounds of the distance Ls along the fibre from the sensing end to the vehicle's end
     track_low, track_high    bounds of the end's place along the track
     truth        ghost: true place of the end along the track, nm; next_truth: freely chosen, after the cycle
@@ -106,7 +106,7 @@ class Parts:
         self.map_distance = declared.sensor(number("map_distance_mm", MM, 0, config.fibre_mm))
         self.map_position = declared.sensor(number("map_position_mm", MM, -limit, limit))
         self.map_upwards = declared.sensor(boolean("map_upwards"))
-        self.time_told = declared.state(number("time_told_ps", _PS, 0, config.period_ps), first=0)
+        self.time_reported = declared.state(number("time_reported_ps", _PS, 0, config.period_ps), first=0)
         self.low = declared.state(number("low_mm", MM, 0, far), first=0)
         self.high = declared.state(number("high_mm", MM, 0, far), first=0)
         self.track_low = declared.state(number("track_low_mm", MM, -wide, wide), first=0)

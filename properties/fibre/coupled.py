@@ -40,10 +40,10 @@ def properties(model: Fibre) -> list[Property]:
 
 def _changed(model: Fibre, fibre: Coupling) -> Iterator[Property]:
     """Claim the amplitude's band from the section in which it is received."""
-    own, heard, received = model.own, fibre.heard, model.own.amplitude.present
+    own, last, received = model.own, fibre.last_received, model.own.amplitude.present
     yield under_assumption(
         "coupling to the rail and a more sensitive guide raise",
-        (received & heard.one_of(COUPLED, MORE_SENSITIVE) & before(own.band).ne(v.LOWERED)).implies(
+        (received & last.one_of(COUPLED, MORE_SENSITIVE) & before(own.band).ne(v.LOWERED)).implies(
             own.band.eq(v.RAISED)
         ),
         statement="where the fibre is coupled to the rail, or is of a more sensitive guide, the amplitude is raised in every cycle in which it is "
@@ -51,7 +51,7 @@ def _changed(model: Fibre, fibre: Coupling) -> Iterator[Property]:
     )
     yield under_assumption(
         "dampers and a less sensitive guide lower",
-        (received & heard.one_of(DAMPED, LESS_SENSITIVE) & before(own.band).ne(v.RAISED)).implies(
+        (received & last.one_of(DAMPED, LESS_SENSITIVE) & before(own.band).ne(v.RAISED)).implies(
             own.band.eq(v.LOWERED)
         ),
         statement="where the fibre has dampers, or is of a less sensitive guide, the amplitude is lowered in every cycle in which it is received; "
@@ -60,20 +60,20 @@ def _changed(model: Fibre, fibre: Coupling) -> Iterator[Property]:
 
 
 def _beside(model: Fibre, fibre: Coupling) -> Iterator[Property]:
-    """Claim that fibre beside the sections changes nothing, and ends what was told."""
+    """Claim that fibre beside the sections changes nothing, and ends what was reported of one."""
     yield under_assumption(
         "beside the sections the amplitude is normal",
-        fibre.heard.eq(BESIDE).implies(model.own.band.eq(v.NORMAL) & ~model.machine.flag("in_section")),
-        statement="where the fibre lies beside all sections no section is told, and what was told of one ends with the first amplitude there",
+        fibre.last_received.eq(BESIDE).implies(model.own.band.eq(v.NORMAL) & ~model.machine.flag("in_section")),
+        statement="where the fibre lies beside all sections no section is reported, and what was reported of one ends with the first amplitude there",
     )
 
 
 def _signal(model: Fibre, fibre: Coupling) -> Iterator[Property]:
     """Claim the position signal from the section, both ways."""
-    own, heard = model.own, fibre.heard
-    section = heard.one_of(COUPLED, MORE_SENSITIVE, DAMPED, LESS_SENSITIVE)
+    own, last = model.own, fibre.last_received
+    section = last.one_of(COUPLED, MORE_SENSITIVE, DAMPED, LESS_SENSITIVE)
     signal = own.event.eq(v.POSITION_SIGNAL)
-    entered = before(heard).eq(BESIDE) & section & own.amplitude.present
+    entered = before(last).eq(BESIDE) & section & own.amplitude.present
     yield under_assumption(
         "a section that is entered makes a signal",
         (entered & tells_changes(model)).implies(signal),
@@ -82,20 +82,20 @@ def _signal(model: Fibre, fibre: Coupling) -> Iterator[Property]:
     )
     yield under_assumption(
         "no signal without a section",
-        signal.implies(heard.ne(BESIDE) & own.amplitude.present),
+        signal.implies(last.ne(BESIDE) & own.amplitude.present),
         statement="a position signal arises only with an amplitude that is received in a section, at an edge, or at a false change; never beside the sections",
     )
 
 
 def _once(model: Fibre, fibre: Coupling) -> Iterator[Property]:
     """Claim that a section makes one signal and no more."""
-    own, heard, signal = model.own, fibre.heard, model.own.event.eq(v.POSITION_SIGNAL)
+    own, last, signal = model.own, fibre.last_received, model.own.event.eq(v.POSITION_SIGNAL)
     pairs = ((COUPLED, MORE_SENSITIVE), (DAMPED, LESS_SENSITIVE))
-    stays = any_of(before(heard).one_of(*pair) & heard.one_of(*pair) for pair in pairs)
+    stays = any_of(before(last).one_of(*pair) & last.one_of(*pair) for pair in pairs)
     yield under_assumption(
         "a section makes one signal",
         (stays & before(own.band).ne(v.NORMAL)).implies(~signal & own.band.eq(before(own.band))),
-        statement="while the end stays in a section whose signal came, no further one comes, and the section is told until the end leaves it",
+        statement="while the end stays in a section whose signal came, no further one comes, and the section is reported until the end leaves it",
     )
 
 
@@ -109,7 +109,7 @@ def _reached(model: Fibre, fibre: Coupling) -> Iterator[Property]:
     for name, made in names.items():
         yield reachable(
             f"a signal of a section {name}",
-            model.own.event.eq(v.POSITION_SIGNAL) & fibre.heard.eq(made),
+            model.own.event.eq(v.POSITION_SIGNAL) & fibre.last_received.eq(made),
             statement=f"a section {name} can make a position signal",
             requirements=REQUIREMENTS,
         )

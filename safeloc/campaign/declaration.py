@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, model_validator
 from safeloc.campaign.distributions import Distribution
 from safeloc.config import Config
 from safeloc.errors import InputError
+from safeloc.railway.map.flaws import Flaw, FlawsError
 from safeloc.railway.map.toml_place import line_of, refusal
 from safeloc.runtime.outside import read_text, reading
 
@@ -119,10 +120,17 @@ class Declaration(Config):
         for what, shares in (("lines", self.lines), ("vehicles", self.vehicles), ("situations", self.situations)):
             total = sum(one.weight for one in shares)
             if shares and abs(total - 1) > _WEIGHT:
-                raise ValueError(f"the weights of the {what} sum to {total:g}; they must sum to 1.")
+                told = f"the weights of the {what} sum to {total:g}; they must sum to 1"
+                raise FlawsError([Flaw(told, [(what, number, "weight") for number in range(len(shares))])])
+        return self
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> Declaration:
         names = [one.name for one in self.situations]
-        if len(set(names)) < len(names):
-            raise ValueError("two situations have one name; each needs a name of its own.")
+        for number, name in enumerate(names):
+            if name in names[:number]:
+                told = f"two situations have one name, {name!r}; each needs a name of its own"
+                raise FlawsError([Flaw(told, [("situations", one, "name") for one in (number, names.index(name))])])
         return self
 
 

@@ -12,7 +12,7 @@ import typer
 from pydantic import BaseModel, ValidationError
 
 from safeloc.cli.console import err, out, print_json
-from safeloc.cli.show import EXIT_CODES
+from safeloc.cli.show import EXIT_CODES, Progressing
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.audit.vehicle import find_layout
@@ -21,11 +21,14 @@ from safeloc.railway.design.design_data import design_data, lines
 from safeloc.railway.design.designing import Design, Task, design
 from safeloc.railway.design.figures import Added, Costs
 from safeloc.railway.design.nearest import nearest_kept, with_tolerance
+from safeloc.railway.design.options import kept
 from safeloc.railway.map.toml_files import find_line
 from safeloc.runtime.streams.steps import write_steps
 
 _TOLERANCE = re.compile(r"tolerance=(\d+(?:\.\d{1,3})?)(m|mm)")
 _SEARCH_SECONDS = 60.0
+_NEAREST_SECONDS, _QUESTIONS = 30.0, 28
+"""Processor time of the search for the nearest tolerance, and about as many tolerances as it asks."""
 _Figures = TypeVar("_Figures", bound=BaseModel)
 
 
@@ -52,19 +55,19 @@ def design_line(name: str, wanted: str, options: DesignOptions) -> None:
     line, base = find_line(name), find_layout(options.vehicle) if options.vehicle else LayoutConfig()
     tolerance_mm = _tolerance_mm(wanted)
     task = Task(line, base, _figures(Costs, options.costs), _figures(Added, options.added), options.keep)
-    _refuse_unknown(task)
+    kept(line, options.keep)
     if task.added.markers and base.markers is None:
         raise InputError(
             "--add markers=N is for a vehicle that reads them: give one with --vehicle whose file has the table [localization.markers] "
             "(docs/line.md)."
         )
-    layout, found, why = with_tolerance(base, tolerance_mm), None, ""
+    found, why = None, ""
     try:
-        found = None if layout is None else design(replace(task, layout=layout), _SEARCH_SECONDS)
+        found = design(replace(task, layout=with_tolerance(base, tolerance_mm)), _SEARCH_SECONDS)
     except InputError as error:
-        why = f" ({error})"
+        why = f" ({str(error).rstrip('.')})"
     if found is None:
-        raise InputError(_unkept(task, tolerance_mm) + why)
+        raise InputError(_unkept(task, tolerance_mm, why, quiet=options.as_json))
     _tell(found, options)
 
 
@@ -100,12 +103,25 @@ def _write(found: Design, text: str, held: Sequence[Held], folder: Path) -> None
     err.print(str(folder / f"{found.line.name}.toml"), markup=False)
 
 
-def _unkept(task: Task, tolerance_mm: int) -> str:
-    nearest = nearest_kept(task, tolerance_mm, _SEARCH_SECONDS)
-    start = f"{task.line.name}: no choice of balise groups, reflectors and markers keeps {tolerance_mm / 1000:.3f} m"
-    if nearest is None:
-        return f"{start}, nor any other tolerance up to 500 m."
-    return f"{start}; the nearest tolerance that one keeps is {nearest / 1000:.3f} m."
+def _unkept(task: Task, tolerance_mm: int, why: str, *, quiet: bool) -> str:
+    with Progressing(_QUESTIONS, quiet=quiet) as progress:
+        progress.say("nearest tolerance", _QUESTIONS)
+        nearest = nearest_kept(
+            task,
+            tolerance_mm,
+            _NEAREST_SECONDS,
+            lambda asked, kept: progress.tick(f"{asked / 1000:.3f} m: {'kept' if kept else 'not kept'}"),
+        )
+    start = (
+        f"{task.line.name}: no choice of balise groups, reflectors and markers keeps {tolerance_mm / 1000:.3f} m{why}"
+    )
+    within = f"within {_NEAREST_SECONDS:g} s of processor time"
+    if nearest.kept_mm is None:
+        return f"{start}, nor any other tolerance up to 500 m{'' if nearest.searched else f' that was asked {within}'}."
+    kept = f"{nearest.kept_mm / 1000:.3f} m"
+    if not nearest.searched:
+        return f"{start}; one keeps {kept}, and no nearer one was found {within}."
+    return f"{start}; the nearest tolerance that one keeps is {kept}."
 
 
 def _tolerance_mm(wanted: str) -> int:
@@ -132,11 +148,3 @@ def _figures(model: type[_Figures], given: Sequence[str]) -> _Figures:
     except ValidationError as error:
         first = error.errors()[0]
         raise typer.BadParameter(f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from None
-
-
-def _refuse_unknown(task: Task) -> None:
-    line = task.line
-    known = {one.id for there in (line.balise_groups, line.reflectors, line.markers) for one in there}
-    unknown = [one for one in task.keep if one not in known]
-    if unknown:
-        raise InputError(f"{task.line.name} has no balise group, reflector or marker {unknown[0]!r}.")

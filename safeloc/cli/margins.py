@@ -74,7 +74,10 @@ def margins(
         typer.Option(help="with --for: a figure of what is added, such as location_accuracy_mm=300 (repeatable)"),
     ] = None,
     keep: Annotated[
-        list[str] | None, typer.Option(help="with --for: a balise group, reflector or marker that stays (repeatable)")
+        list[str] | None,
+        typer.Option(
+            help="with --for: a balise group, reflector or marker that stays, by its id or as markers=ID (repeatable)"
+        ),
     ] = None,
     seconds: Annotated[
         float, typer.Option(help="limit for each claim at each value, as solvers count", min=0.1)

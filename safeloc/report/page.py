@@ -47,6 +47,8 @@ _NOTHING_BESIDE: Mapping[str, str] = MappingProxyType(
     {"items_beside": "", "conditions_beside": "", "conditions_at": ""}
 )
 """Parts of a page that has none."""
+_LONG_ASSUMPTION = 200
+"""Characters of an assumption beyond which the page says it once for each machine."""
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
 _LONGEST_RUN, LAST_STEPS = 40, 20
@@ -227,6 +229,17 @@ def _shown_before(machines: Sequence[_Data]) -> dict[tuple[str, int], str]:
     return again
 
 
+def _assumed_once(rows: Sequence[_Data]) -> list[_Data]:
+    """Return the rows; one with the long assumption of an earlier row refers to that one (`assumed_as`) in place of the text."""
+    first: dict[str, _Data] = {}
+    found: list[_Data] = []
+    for row in rows:
+        before = first.setdefault(row["assumption"], row)
+        again = before is not row and len(row["assumption"]) > _LONG_ASSUMPTION
+        found.append({**row, "assumed_as": {"name": before["name"], "at": before["at"]} if again else None})
+    return found
+
+
 def _machine(
     machine: _Data, results: Sequence[_Data], shown: Mapping[tuple[str, int], str], links: Links
 ) -> dict[str, Any]:
@@ -235,7 +248,7 @@ def _machine(
     elsewhere = {part["name"] for n, part in enumerate(machine["parts"]) if (machine["name"], n) in shown}
     return {
         **machine,
-        "rows": [row for row in of_machine if row["kind"] == "property"],
+        "rows": _assumed_once([row for row in of_machine if row["kind"] == "property"]),
         "recordings": recordings(evidence, lambda found: _counted(found, ("test", "replay"))),
         "statements": statements(evidence),
         "pictures": [{**one, "svg": Markup(one["svg"])} for one in machine["pictures"]],  # labels are escaped

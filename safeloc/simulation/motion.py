@@ -49,8 +49,8 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Motion:
-    """The true motion: position of end A in nm, and speed in mm/s, at the end of every cycle. Shapes [cycles]."""
+class _TrueMotion:
+    """Position of end A in nm, and speed in mm/s, at the end of every cycle; cycles are the first axis."""
 
     period_ms: int
     position_nm: NDArray[np.int64]
@@ -60,7 +60,11 @@ class Motion:
     @property
     def distance_nm(self) -> NDArray[np.int64]:
         """The true distance of every cycle, nm."""
-        return np.diff(self.position_nm, prepend=np.int64(self.start_nm))
+        return np.diff(self.position_nm, axis=0, prepend=np.int64(self.start_nm))
+
+
+class Motion(_TrueMotion):
+    """The true motion: position of end A in nm, and speed in mm/s, at the end of every cycle. Shapes [cycles]."""
 
 
 def plan(vehicle: VehicleConfig, seconds: float, rng: np.random.Generator, *, reversals: bool = True) -> list[Leg]:
@@ -77,24 +81,13 @@ def plan(vehicle: VehicleConfig, seconds: float, rng: np.random.Generator, *, re
     return legs
 
 
-@dataclass(frozen=True)
-class Motions:
+class Motions(_TrueMotion):
     """The true motions of several vehicles, each as in `Motion`. Shapes [cycles, vehicles]."""
-
-    period_ms: int
-    position_nm: NDArray[np.int64]
-    speed_mm_s: NDArray[np.float64]
-    start_nm: int
 
     @classmethod
     def alone(cls, motion: Motion) -> Motions:
         """Return the motion of one vehicle as those of several."""
         return cls(motion.period_ms, motion.position_nm[:, None], motion.speed_mm_s[:, None], motion.start_nm)
-
-    @property
-    def distance_nm(self) -> NDArray[np.int64]:
-        """The true distance of every cycle, nm."""
-        return np.diff(self.position_nm, axis=0, prepend=np.int64(self.start_nm))
 
     def of(self, vehicle: int) -> Motion:
         """Return the motion of one vehicle."""

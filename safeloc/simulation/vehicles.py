@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from safeloc.errors import InputError
+from safeloc.runtime.outside import quoted
 from safeloc.simulation.motion import VehicleConfig
 
 
@@ -28,4 +29,6 @@ def load_vehicle(path: Path) -> VehicleConfig:
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{path}: field {field}: {first['msg']} (got {first['input']!r}).") from error
+        reason = first["msg"].removeprefix("Value error, ").rstrip(".")
+        told = f"field {field}: {reason} (got {quoted(first['input'])})" if field else reason
+        raise InputError(f"{path}: {told}.") from error

@@ -47,7 +47,7 @@ def test_every_making_makes_one_signal() -> None:
     """Rods, dampers, a more and a less sensitive guide: a signal for each section that was run into, and none else."""
     trace = recorded("fibre_coupled-every-making")
     signals = [event == "POSITION_SIGNAL" for event in labels(trace, "section_event")]
-    lay = [MADE[step.state["section_heard"]] for step in trace.steps]
+    lay = [MADE[step.state["section_last_received"]] for step in trace.steps]
     entered = [now != "BESIDE" and before == "BESIDE" for before, now in zip(["BESIDE", *lay], lay, strict=False)]
     assert entered == signals
     assert {*MADE} - {"ELSEWHERE"} == set(lay)

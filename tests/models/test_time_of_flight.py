@@ -1,4 +1,4 @@
-"""Time of flight T and distance Ls of a train's end: told when measured, absent otherwise, and true within their bounds."""
+"""Time of flight T and distance Ls of a train's end: reported when measured, absent otherwise, and true within their bounds."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def timed(*delays_ps: int | None, mapped: dict[str, Cell] = UNMAPPED) -> Trace:
 
 
 def bounds(trace: Trace, cycle: int, name: str = "distance_", place: str = "distance_mm") -> tuple[int, int]:
-    """Bounds told of the distance, or of the place."""
-    told = trace.steps[cycle].outputs
-    return told[place] - told[f"{name}margin_below_mm"], told[place] + told[f"{name}margin_above_mm"]
+    """Bounds reported of the distance, or of the place."""
+    reported = trace.steps[cycle].outputs
+    return reported[place] - reported[f"{name}margin_below_mm"], reported[place] + reported[f"{name}margin_above_mm"]
 
 
 def test_the_figure_of_the_source() -> None:
@@ -65,11 +65,11 @@ def test_bounds_are_those_of_the_front_end(delay_ps: int) -> None:
     assert high - inside_mm < exact.high <= high
 
 
-def test_told_with_a_delay_and_absent_without() -> None:
-    """What was told is not told again in a cycle without a delay, nor in one with a delay beyond the fibre's end."""
+def test_reported_with_a_delay_and_absent_without() -> None:
+    """What was reported is not reported again in a cycle without a delay, nor in one with a delay beyond the fibre's end."""
     end_ps = int(time_ps(CONFIG.fibre_mm, CONFIG.index_ppm))
     trace = timed(end_ps, None, end_ps, end_ps + 1_000_000, None)
-    assert ["DISTANCE", "UNHEARD", "DISTANCE", "BEYOND", "UNHEARD"] == mode_labels(made().machine, trace)
+    assert ["DISTANCE", "UNMEASURED", "DISTANCE", "BEYOND", "UNMEASURED"] == mode_labels(made().machine, trace)
     assert [True, False, True, False, False] == [bool(step.outputs["distance_reported"]) for step in trace.steps]
     assert [False, False, False, True, False] == [bool(step.outputs["beyond_fibre"]) for step in trace.steps]
     assert not {step.outputs["distance_mm"] for step in trace.steps[1::2]} & set(range(CONFIG.fibre_mm * 2))
@@ -97,10 +97,10 @@ def test_a_recording_is_its_run(name: str) -> None:
     assert list(RUNS[name].steps(CONFIG)) == [dict(step) for step in read_steps(shipped(name)).steps]
 
 
-def test_what_is_told_of_the_runs() -> None:
-    """Gaps in time of flight and in the map are gaps in what is told."""
-    modes = mode_labels(made().machine, run(lower(made().machine), measured(CONFIG, Ride(5, 10**6, 0, unheard=(2,), unmapped=(3,)))))  # fmt: skip
-    assert ["PLACED", "PLACED", "UNHEARD", "DISTANCE", "PLACED"] == modes
+def test_what_is_reported_of_the_runs() -> None:
+    """Gaps in time of flight and in the map are gaps in what is reported."""
+    modes = mode_labels(made().machine, run(lower(made().machine), measured(CONFIG, Ride(5, 10**6, 0, unmeasured=(2,), unmapped=(3,)))))  # fmt: skip
+    assert ["PLACED", "PLACED", "UNMEASURED", "DISTANCE", "PLACED"] == modes
 
 
 def test_one_pulse_at_a_time() -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 import tarfile
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -192,3 +194,15 @@ def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
             attempt(tmp_path / "file" / "report")
     usable(tmp_path / "new" / "report")
     assert not (tmp_path / "new").exists()  # the folder is made with the report, not by asking
+
+
+def test_a_long_assumption_is_said_once() -> None:
+    """The row of the first claim has its text, each further one refers to that row; short ones are said each time."""
+    long, short = "a train that is assumed to be long; " * 6, "a short one"
+    names = {"first": long, "second": long, "third": short, "fourth": short}
+    rows = [replace(finding(name, Proved(None, "bmc")), assumption=assumption) for name, assumption in names.items()]
+    page = to_html(report_data(rows, [door()]))
+    assert (1, 2) == (page.count(f'<td data-head="assumption">{long}'), page.count(f">{short}<"))
+    assert 1 == page.count('<td data-head="assumption">that of <a href="#')
+    [at] = re.findall(r'assumption">that of <a href="#([^"]+)">first</a>', page)
+    assert f'id="{at}"' in page

@@ -7,7 +7,7 @@ verdict is made from them.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Protocol, TypeVar
 
 import z3
 
@@ -79,11 +79,19 @@ class Standing:
         return self._terms.bool(term)
 
 
+class _Decided(Protocol):
+    """Decides translated goals, as `Standing.decided` does."""
+
+    def __call__(
+        self, premises: Sequence[z3.BoolRef], goals: Mapping[Key, z3.BoolRef], seconds: float
+    ) -> dict[Key, bool]: ...
+
+
 class Under:
     """Questions with the same facts: one solver has these once, and keeps what it learns; other hypotheses are switched on by literals."""
 
     def __init__(
-        self, decided: Callable[..., Any], translated: Callable[[Bool], z3.BoolRef], facts: Sequence[z3.BoolRef]
+        self, decided: _Decided, translated: Callable[[Bool], z3.BoolRef], facts: Sequence[z3.BoolRef]
     ) -> None:
         self._decided, self._translated, self._facts = decided, translated, facts
         self._literals: dict[Bool, z3.BoolRef] = {}
@@ -103,8 +111,7 @@ class Under:
             return {}
         if answer == z3.sat:
             return dict.fromkeys(_false(solver.model(), asked), True)
-        found: dict[Key, bool] = self._decided([*self._facts, *map(self._translated, hypotheses)], asked, seconds)
-        return found
+        return self._decided([*self._facts, *map(self._translated, hypotheses)], asked, seconds)
 
     def _asked(self) -> z3.Solver:
         if self._solver is None:

@@ -7,6 +7,7 @@ the machine keeps the better position. Of the ways that lead to a reading the wo
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -112,6 +113,7 @@ class Readings:
     def __init__(self, walk: Walk, rules: Rules) -> None:
         self.walk, self.layout = walk, rules.layout
         self._held: dict[tuple[int, int], int] = {}
+        self._errors: dict[int, int] = {}
 
     @cached_property
     def marks(self) -> dict[Run, list[tuple[int, Mark]]]:
@@ -176,13 +178,17 @@ class Readings:
     def ways(self, goal: Goal, enough_mm: int | None) -> Iterator[Way]:
         """Yield the ways that lead to a goal, each as far back as something may keep the position.
 
-        enough_mm  a way is followed no farther once something has so much to spare; None: always as far as that
+        enough_mm  a way is followed no farther once something has so much to spare; None: always as far as that, and of what cannot
+                   keep the position only the nearest is told
         """
         topology, done = self.walk.topology, set[tuple[Run, int, int]]()
         open_ = [_Back(goal.run, goal.offset_mm - topology.length_mm(goal.run), goal.path[:-1])]
         while open_:
             one = open_.pop()
-            found, start = (*one.found, *self._on(goal, one.run, one.end)), one.end + topology.length_mm(one.run)
+            found, start = (
+                (*one.found, *self._on(goal, one.run, one.end, with_far=enough_mm is not None)),
+                one.end + topology.length_mm(one.run),
+            )
             before = one.forced[-1:] or tuple(topology.before(one.run))
             if not before:
                 found = (*found, self._entry(goal, one.run, start))
@@ -201,15 +207,20 @@ class Readings:
         """Farther behind, no reading keeps the position."""
         return max(self.held_mm(0, 0), 0) + self.layout.readers.vehicle_length_mm
 
-    def _on(self, goal: Goal, run: Run, end: int) -> Iterator[Origin]:
-        """Yield the readings by both readers of the markers on one run that come before the goal, the nearest first."""
+    def _on(self, goal: Goal, run: Run, end: int, *, with_far: bool) -> Iterator[Origin]:
+        """Yield the readings by both readers of the markers on one run that come before the goal, the nearest first.
+
+        with_far  those too far behind to keep the position as well; without it the nearest of them at most
+        """
         length, long = self.walk.topology.length_mm(run), self.layout.readers.vehicle_length_mm
-        for offset, mark in reversed(self.marks[run]):
+        passed = bisect_left(self.marks[run], end + length, key=lambda one: one[0])
+        for number, (offset, mark) in enumerate(reversed(self.marks[run][:passed])):
             behind = end + length - offset
+            if number and behind > self.window_mm and not with_far:
+                return
             own = mark is goal.mark and bool(goal.path) and behind == long
             apart = (0 if own else mark.accuracy_mm + goal.accuracy_mm) + self._length_off(bool(goal.path))
-            if behind > 0:
-                yield self._origin(mark.name, mark, goal, behind, apart)
+            yield self._origin(mark.name, mark, goal, behind, apart)
             if behind >= long and not own:
                 apart = mark.accuracy_mm + goal.accuracy_mm + self._length_off(not goal.path)
                 yield self._origin(f"the trailing reading of {mark.name}", mark, goal, behind - long, apart)
@@ -234,7 +245,10 @@ class Readings:
 
     def fix_error_nm(self, mark: Mark) -> int:
         """Return the error of a position just read from a marker, nm."""
-        return self.layout.readers.fix_error_nm(mark.accuracy_mm, self.layout.odometry_rate_ppm)
+        if mark.accuracy_mm not in self._errors:
+            rate_ppm = self.layout.odometry_rate_ppm
+            self._errors[mark.accuracy_mm] = self.layout.readers.fix_error_nm(mark.accuracy_mm, rate_ppm)
+        return self._errors[mark.accuracy_mm]
 
     def held_mm(self, fix_error_nm: int, held_back_mm: int) -> int:
         """Return the run over which the position is kept after a reading with that error."""

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.railway.map.toml_place import line_of
+from safeloc.railway.map.toml_place import line_of, refusal
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "vehicles"
 _TABLE = "localization"
@@ -37,7 +37,4 @@ def _layout(path: Path, text: str, data: dict[str, object]) -> LayoutConfig:
     try:
         return LayoutConfig.model_validate(data[_TABLE])
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = line_of(text, (_TABLE, *first["loc"]))
-        key = ".".join(str(part) for part in (_TABLE, *first["loc"]))
-        raise InputError(f"{path}:{where}: {key}: {first['msg'].removeprefix('Value error, ')}") from error
+        raise InputError(refusal(error, lambda place: f"{path}:{line_of(text, place)}", (_TABLE,))) from error

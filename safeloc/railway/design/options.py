@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
+from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.railway.design.figures import Costs
 from safeloc.railway.map.elements import BaliseGroup, Marker, Reflector
@@ -84,10 +85,36 @@ def _telling_only_of(group: BaliseGroup, reflectors: set[str]) -> BaliseGroup:
     return group if left == group.telegram_reflectors else group.model_copy(update={"telegram_reflectors": left})
 
 
+def kept(line: Line, wanted: Sequence[str]) -> frozenset[tuple[str, str]]:
+    """Return kind in words and identity of each element that is to be kept; it is named by its identity, or as markers=IDENTITY.
+
+    InputError if the line has no such element, and if elements of two kinds have the identity and none is said.
+    """
+    return frozenset(_kept(line, one) for one in wanted)
+
+
+def _kept(line: Line, wanted: str) -> tuple[str, str]:
+    lists: dict[str, Sequence[Installed]] = {
+        "balise_groups": line.balise_groups, "reflectors": line.reflectors, "markers": line.markers
+    }  # fmt: skip
+    said, equals, rest = wanted.partition("=")
+    identity = rest if equals and said in lists else wanted
+    among = {said: lists[said]} if identity != wanted else lists
+    found = {key: _KINDS[type(one)] for key, elements in among.items() for one in elements if one.id == identity}
+    if not found:
+        what = f"{said} with id" if identity != wanted else "balise group, reflector or marker"
+        raise InputError(f"{line.name} has no {what} {identity!r}.")
+    if len(found) > 1:
+        ways = " or ".join(f"--keep {key}={identity}" for key in found)
+        raise InputError(f"{line.name}: {identity!r} is a {' and a '.join(found.values())}; say which: {ways}.")
+    return next(iter(found.values())), identity
+
+
 def standing(line: Line, costs: Costs, keep: Sequence[str], layout: LayoutConfig | None = None) -> Iterator[Option]:
     """Yield an option for each balise group, reflector and marker of the line. Kept are those of `keep`, those that others refer to,
     and what a vehicle of these figures is not located by, so that other vehicles still find it.
     """
+    asked = kept(line, keep)
     not_read = _not_read(layout or LayoutConfig())
     stops = {one.reflector: one.id for one in line.stop_points}
     originals = {one.duplicate_of: one.id for one in line.balise_groups if one.duplicate_of is not None}
@@ -95,12 +122,19 @@ def standing(line: Line, costs: Costs, keep: Sequence[str], layout: LayoutConfig
         why = (
             f"group {originals[group.id]} is its duplicate" if group.id in originals else not_read.get(BaliseGroup, "")
         )
-        yield Option(group, costs.of(group, new=False), False, "as asked" if group.id in keep else why)
+        yield Option(
+            group, costs.of(group, new=False), False, "as asked" if ("balise group", group.id) in asked else why
+        )
     for reflector in line.reflectors:
         why = f"stop point {stops[reflector.id]}" if reflector.id in stops else not_read.get(Reflector, "")
-        yield Option(reflector, costs.of(reflector, new=False), False, "as asked" if reflector.id in keep else why)
+        yield Option(
+            reflector,
+            costs.of(reflector, new=False),
+            False,
+            "as asked" if ("reflector", reflector.id) in asked else why,
+        )
     for marker in line.markers:
-        why = "as asked" if marker.id in keep else not_read.get(Marker, "")
+        why = "as asked" if ("marker", marker.id) in asked else not_read.get(Marker, "")
         yield Option(marker, costs.of(marker, new=False), False, why)
 
 

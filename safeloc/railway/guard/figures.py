@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from safeloc.errors import InputError
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.railway.audit.vehicle import SHIPPED
+from safeloc.runtime.outside import quoted
 from safeloc.simulation.motion import VehicleConfig
 from safeloc.simulation.vehicles import load_vehicle
 
@@ -37,9 +38,10 @@ def guard_config(vehicle: VehicleConfig | None, chosen: Mapping[str, Any] | None
         return GuardConfig.model_validate({**figures, **(chosen or {})})
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        field = ".".join(str(part) for part in first["loc"]) or "figures"
+        field = ".".join(str(part) for part in first["loc"])
         reason = first["msg"].removeprefix("Value error, ")
-        raise InputError(f"guard, {field}: {reason}") from error
+        got = f" (got {quoted(first['input'])})" if field else ""
+        raise InputError(f"guard, {field or 'figures'}: {reason.rstrip('.')}{got}.") from error
 
 
 def _of(vehicle: VehicleConfig) -> dict[str, int]:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from safeloc.railway.map.elements import BaliseGroup, Fibre, OnEdge, Stretch
+from safeloc.railway.map.flaws import Flaw, Place
 
 if TYPE_CHECKING:
     from safeloc.railway.map.model import Line
+
+
+_Value = TypeVar("_Value")
 
 
 class _Named(Protocol):
@@ -18,8 +22,13 @@ class _Named(Protocol):
     def id(self) -> str: ...
 
 
-def contradictions(line: Line) -> Iterator[str]:
-    """Yield a sentence for every contradiction in the map."""
+class _Stretched(_Named, Protocol):
+    @property
+    def stretches(self) -> Sequence[Stretch]: ...
+
+
+def contradictions(line: Line) -> Iterator[Flaw]:
+    """Yield every contradiction in the map, with the places of the elements that contradict."""
     for check in _CHECKS:
         yield from check(line)
 
@@ -45,45 +54,59 @@ def kinds(line: Line) -> Mapping[str, Sequence[_Named]]:
     }
 
 
-def _identities(line: Line) -> Iterator[str]:
+def _identities(line: Line) -> Iterator[Flaw]:
     for kind, elements in kinds(line).items():
-        for identity, count in Counter(element.id for element in elements).items():
-            if count > 1:
-                yield f"{kind}: {count} elements are called {identity!r}"
+        for identity, numbers in _same(element.id for element in elements):
+            yield Flaw(f"{kind}: {len(numbers)} elements are called {identity!r}", _places_of(kind, numbers, "id"))
 
 
-def _telegram_identities(line: Line) -> Iterator[str]:
-    same = Counter((group.country, group.identity) for group in line.balise_groups)
-    for (country, identity), count in same.items():
-        if count > 1:
-            yield f"balise_groups: {count} groups send NID_C {country}, NID_BG {identity}"
+def _telegram_identities(line: Line) -> Iterator[Flaw]:
+    for (country, identity), numbers in _same((group.country, group.identity) for group in line.balise_groups):
+        told = f"balise_groups: {len(numbers)} groups send NID_C {country}, NID_BG {identity}"
+        yield Flaw(told, _places_of("balise_groups", numbers, "identity"))
 
 
-def _marker_identities(line: Line) -> Iterator[str]:
-    for identity, count in Counter(marker.identity for marker in line.markers).items():
-        if count > 1:
-            yield f"markers: {count} markers have the identity {identity}, so a reading would not tell which one was passed"
+def _marker_identities(line: Line) -> Iterator[Flaw]:
+    for identity, numbers in _same(marker.identity for marker in line.markers):
+        yield Flaw(
+            f"markers: {len(numbers)} markers have the identity {identity}, so a reading would not tell which one was passed",
+            _places_of("markers", numbers, "identity"),
+        )
 
 
-def _edge_nodes(line: Line) -> Iterator[str]:
+def _same(values: Iterable[_Value]) -> Iterator[tuple[_Value, Sequence[int]]]:
+    """Yield each value that comes more than once, with the numbers where it comes, the last one first."""
+    found: dict[_Value, list[int]] = {}
+    for number, value in enumerate(values):
+        found.setdefault(value, []).append(number)
+    return ((value, numbers[::-1]) for value, numbers in found.items() if len(numbers) > 1)
+
+
+def _places_of(kind: str, numbers: Sequence[int], key: str) -> Sequence[Place]:
+    return [(kind, number, key) for number in numbers]
+
+
+def _edge_nodes(line: Line) -> Iterator[Flaw]:
     known = {node.id for node in line.nodes}
-    for edge in line.edges:
-        for node in (edge.from_node, edge.to_node):
+    for number, edge in enumerate(line.edges):
+        at = ("edges", number)
+        for key, node in (("from_node", edge.from_node), ("to_node", edge.to_node)):
             if node not in known:
-                yield f"edge {edge.id!r}: there is no node {node!r}"
+                yield Flaw(f"edge {edge.id!r}: there is no node {node!r}", [(*at, key)])
         if edge.from_node == edge.to_node:
-            yield f"edge {edge.id!r}: begins and ends at node {edge.from_node!r}; put a node in between"
+            yield Flaw(f"edge {edge.id!r}: begins and ends at node {edge.from_node!r}; put a node in between", [at])
 
 
-def _kilometre_points(line: Line) -> Iterator[str]:
-    for edge in line.edges:
+def _kilometre_points(line: Line) -> Iterator[Flaw]:
+    for number, edge in enumerate(line.edges):
+        at = ("edges", number, "kilometres")
         places = [point.position_mm for point in edge.kilometres]
         if any(a >= b for a, b in pairwise(places)):
-            yield f"edge {edge.id!r}: kilometre points must be in order of position"
+            yield Flaw(f"edge {edge.id!r}: kilometre points must be in order of position", [at])
         if places and places[0] != 0:
-            yield f"edge {edge.id!r}: the first kilometre point must be at position 0"
+            yield Flaw(f"edge {edge.id!r}: the first kilometre point must be at position 0", [at])
         if any(place > edge.length_mm for place in places):
-            yield f"edge {edge.id!r}: a kilometre point lies beyond its length {edge.length_mm} mm"
+            yield Flaw(f"edge {edge.id!r}: a kilometre point lies beyond its length {edge.length_mm} mm", [at])
 
 
 def _ends_at(line: Line) -> dict[str, frozenset[str]]:
@@ -95,99 +118,108 @@ def _ends_at(line: Line) -> dict[str, frozenset[str]]:
     return {node: frozenset(edges) for node, edges in found.items()}
 
 
-def _switches(line: Line) -> Iterator[str]:
+def _switches(line: Line) -> Iterator[Flaw]:
     there = _ends_at(line)
-    for switch in line.switches:
+    for number, switch in enumerate(line.switches):
+        at, name = ("switches", number), f"switch {switch.id!r}"
         used = (switch.stem, switch.left, switch.right)
         if len(set(used)) != 3:
-            yield f"switch {switch.id!r}: stem, left and right must be three edges, not {', '.join(used)}"
+            yield Flaw(f"{name}: stem, left and right must be three edges, not {', '.join(used)}", [at])
         if there.get(switch.node, frozenset()) != set(used):
             met = ", ".join(sorted(there.get(switch.node, ()))) or "none"
-            yield f"switch {switch.id!r}: joins {', '.join(used)}, but at node {switch.node!r} meet: {met}"
+            yield Flaw(f"{name}: joins {', '.join(used)}, but at node {switch.node!r} meet: {met}", [at])
 
 
-def _crossings(line: Line) -> Iterator[str]:
+def _crossings(line: Line) -> Iterator[Flaw]:
     there = _ends_at(line)
-    for crossing in line.crossings:
+    for number, crossing in enumerate(line.crossings):
+        at, name = ("crossings", number), f"crossing {crossing.id!r}"
         used = {edge for pair in crossing.movements for edge in pair}
         if used != there.get(crossing.node, frozenset()):
             met = ", ".join(sorted(there.get(crossing.node, ()))) or "none"
-            yield f"crossing {crossing.id!r}: moves between {', '.join(sorted(used))}, but at node meet: {met}"
+            yield Flaw(f"{name}: moves between {', '.join(sorted(used))}, but at node meet: {met}", [at])
         if any(a == b for a, b in crossing.movements):
-            yield f"crossing {crossing.id!r}: a movement must be between two edges"
+            yield Flaw(f"{name}: a movement must be between two edges", [(*at, "movements")])
 
 
-def _nodes(line: Line) -> Iterator[str]:
+def _nodes(line: Line) -> Iterator[Flaw]:
     there = _ends_at(line)
     owners = Counter([*(one.node for one in line.switches), *(one.node for one in line.crossings)])
-    for node in line.nodes:
+    for number, node in enumerate(line.nodes):
+        at = [("nodes", number)]
         count, owned = len(there[node.id]), owners[node.id]
         if owned > 1:
-            yield f"node {node.id!r}: belongs to {owned} switches or crossings; it may belong to one"
+            yield Flaw(f"node {node.id!r}: belongs to {owned} switches or crossings; it may belong to one", at)
         if count == 0:
-            yield f"node {node.id!r}: no edge ends there"
+            yield Flaw(f"node {node.id!r}: no edge ends there", at)
         if count > 2 and not owned:
-            yield f"node {node.id!r}: {count} edges meet without a switch or crossing"
+            yield Flaw(f"node {node.id!r}: {count} edges meet without a switch or crossing", at)
         if node.kind in ("buffer_stop", "border", "seam") and count != 1:
-            yield f"node {node.id!r}: is a {node.kind} and must end one edge, not {count}"
+            yield Flaw(f"node {node.id!r}: is a {node.kind} and must end one edge, not {count}", at)
 
 
-def _places(line: Line) -> Iterator[str]:
+def _places(line: Line) -> Iterator[Flaw]:
     lengths = {edge.id: edge.length_mm for edge in line.edges}
-    named: list[tuple[str, str, int]] = []
-    on_edge: Sequence[tuple[str, Sequence[OnEdge]]] = (
-        ("reflector", line.reflectors),
-        ("marker", line.markers),
-        ("stop point", line.stop_points),
-        ("signal", line.signals),
-        ("axle counter", line.axle_counters),
+    on_edge: Sequence[tuple[str, str, Sequence[OnEdge]]] = (
+        ("reflector", "reflectors", line.reflectors),
+        ("marker", "markers", line.markers),
+        ("stop point", "stop_points", line.stop_points),
+        ("signal", "signals", line.signals),
+        ("axle counter", "axle_counters", line.axle_counters),
     )
-    for kind, elements in on_edge:
-        named += [(f"{kind} {one.id!r}", one.edge, one.position_mm) for one in elements]
-    for group in line.balise_groups:
-        named += [(f"balise group {group.id!r}", group.edge, balise.position_mm) for balise in group.balises]
-    for fibre in line.fibres:
-        named += [(f"fibre {fibre.id!r}", point.edge, point.position_mm) for point in fibre.map_points]
-    for name, edge, position in named:
-        yield from _off_edge(lengths, name, edge, position)
+    for word, kind, elements in on_edge:
+        for number, one in enumerate(elements):
+            yield from _off_edge(lengths, f"{word} {one.id!r}", (kind, number), one.edge, one.position_mm)
+    for number, group in enumerate(line.balise_groups):
+        for balise in group.balises:
+            group_at = ("balise_groups", number)
+            yield from _off_edge(lengths, f"balise group {group.id!r}", group_at, group.edge, balise.position_mm)
+    for number, fibre in enumerate(line.fibres):
+        for count, point in enumerate(fibre.map_points):
+            point_at = ("fibres", number, "map_points", count)
+            yield from _off_edge(lengths, f"fibre {fibre.id!r}", point_at, point.edge, point.position_mm)
 
 
-def _off_edge(lengths: Mapping[str, int], name: str, edge: str, position_mm: int) -> Iterator[str]:
+def _off_edge(lengths: Mapping[str, int], name: str, at: Place, edge: str, position_mm: int) -> Iterator[Flaw]:
     if edge not in lengths:
-        yield f"{name}: there is no edge {edge!r}"
+        yield Flaw(f"{name}: there is no edge {edge!r}", [(*at, "edge")])
     elif position_mm > lengths[edge]:
-        yield f"{name}: {position_mm} mm lies beyond edge {edge!r} of {lengths[edge]} mm"
+        far = f"{name}: {position_mm} mm lies beyond edge {edge!r} of {lengths[edge]} mm"
+        yield Flaw(far, [(*at, "position_mm")])
 
 
-def _stretches(line: Line) -> Iterator[str]:
+def _stretches(line: Line) -> Iterator[Flaw]:
     lengths = {edge.id: edge.length_mm for edge in line.edges}
-    named: list[tuple[str, Stretch]] = []
-    for kind, sections in (
-        ("detection section", line.detection_sections),
-        ("virtual section", line.virtual_sections),
-        ("tunnel", line.tunnels),
-    ):
-        named += [(f"{kind} {one.id!r}", stretch) for one in sections for stretch in one.stretches]
-    plain: Sequence[tuple[str, Sequence[Stretch]]] = (
-        ("speed limit", line.speed_limits),
-        ("gradient", line.gradients),
-        ("curve", line.curves),
+    named: list[tuple[str, Place, Stretch]] = []
+    divided: Sequence[tuple[str, str, Sequence[_Stretched]]] = (
+        ("detection section", "detection_sections", line.detection_sections),
+        ("virtual section", "virtual_sections", line.virtual_sections),
+        ("tunnel", "tunnels", line.tunnels),
     )
-    for kind, stretches in plain:
-        named += [(f"{kind} on {one.edge!r}", one) for one in stretches]
-    for name, stretch in named:
-        yield from _off_edge(lengths, name, stretch.edge, stretch.to_mm)
+    for word, kind, sections in divided:
+        for number, one in enumerate(sections):
+            at = (kind, number, "stretches")
+            named += [(f"{word} {one.id!r}", (*at, count), there) for count, there in enumerate(one.stretches)]
+    plain: Sequence[tuple[str, str, Sequence[Stretch]]] = (
+        ("speed limit", "speed_limits", line.speed_limits),
+        ("gradient", "gradients", line.gradients),
+        ("curve", "curves", line.curves),
+    )
+    for word, kind, stretches in plain:
+        named += [(f"{word} on {one.edge!r}", (kind, number), one) for number, one in enumerate(stretches)]
+    for name, place, stretch in named:
+        yield from _off_edge(lengths, name, place, stretch.edge, stretch.to_mm)
         if stretch.from_mm >= stretch.to_mm:
-            yield f"{name}: from_mm {stretch.from_mm} must lie before to_mm {stretch.to_mm}"
-    for fibre in line.fibres:
-        for stretch in fibre.path:
+            yield Flaw(f"{name}: from_mm {stretch.from_mm} must lie before to_mm {stretch.to_mm}", [place])
+    for number, fibre in enumerate(line.fibres):
+        for count, stretch in enumerate(fibre.path):
             far = max(stretch.from_mm, stretch.to_mm)
-            yield from _off_edge(lengths, f"fibre {fibre.id!r}", stretch.edge, far)
+            yield from _off_edge(lengths, f"fibre {fibre.id!r}", ("fibres", number, "path", count), stretch.edge, far)
 
 
-def _balise_order(line: Line) -> Iterator[str]:
-    for group in line.balise_groups:
-        yield from _one_group(group)
+def _balise_order(line: Line) -> Iterator[Flaw]:
+    for number, group in enumerate(line.balise_groups):
+        yield from (Flaw(told, [("balise_groups", number)]) for told in _one_group(group))
 
 
 def _one_group(group: BaliseGroup) -> Iterator[str]:
@@ -200,48 +232,64 @@ def _one_group(group: BaliseGroup) -> Iterator[str]:
         yield f"balise group {group.id!r}: an unlinked group has at least two balises"
 
 
-def _references(line: Line) -> Iterator[str]:
+def _references(line: Line) -> Iterator[Flaw]:
     """Check references between elements. A part may refer to elements of other parts, a complete line may not."""
     if line.part:
         return
     known = {kind: {element.id for element in elements} for kind, elements in kinds(line).items()}
-    wanted: list[tuple[str, str, str]] = []
-    wanted += [(f"stop point {stop.id!r}", "reflectors", stop.reflector) for stop in line.stop_points]
-    for group in line.balise_groups:
-        name = f"balise group {group.id!r}"
-        wanted += [(name, "reflectors", announced.reflector) for announced in group.telegram_reflectors]
-        wanted += [(name, "balise_groups", group.duplicate_of)] if group.duplicate_of is not None else []
-    for section in line.detection_sections:
-        wanted += [(f"detection section {section.id!r}", "axle_counters", one) for one in section.axle_counters]
-    wanted += [
-        (f"virtual section {one.id!r}", "detection_sections", one.detection_section)
-        for one in line.virtual_sections
-        if one.detection_section is not None
-    ]
-    wanted += [(f"localization section {one.id!r}", "fibres", one.fibre) for one in line.localization_sections]
-    for name, kind, identity in wanted:
+    for name, at, kind, identity in _referring(line):
         if identity not in known[kind]:
-            yield f"{name}: there is no {identity!r} among {kind}"
+            yield Flaw(f"{name}: there is no {identity!r} among {kind}", [at])
 
 
-def _view_zones(line: Line) -> Iterator[str]:
-    for reflector in line.reflectors:
-        if reflector.view_to_mm >= reflector.view_from_mm:
+def _referring(line: Line) -> Iterator[tuple[str, Place, str, str]]:
+    """Yield every reference: who refers, its place, and the list and identity that it refers to."""
+    for number, stop in enumerate(line.stop_points):
+        yield f"stop point {stop.id!r}", ("stop_points", number, "reflector"), "reflectors", stop.reflector
+    for number, group in enumerate(line.balise_groups):
+        name, at = f"balise group {group.id!r}", ("balise_groups", number)
+        for count, announced in enumerate(group.telegram_reflectors):
+            yield name, (*at, "telegram_reflectors", count, "reflector"), "reflectors", announced.reflector
+        if group.duplicate_of is not None:
+            yield name, (*at, "duplicate_of"), "balise_groups", group.duplicate_of
+    for number, section in enumerate(line.detection_sections):
+        for count, one in enumerate(section.axle_counters):
+            place = ("detection_sections", number, "axle_counters", count)
+            yield f"detection section {section.id!r}", place, "axle_counters", one
+    for number, virtual in enumerate(line.virtual_sections):
+        if virtual.detection_section is not None:
+            key = "detection_section"
             yield (
+                f"virtual section {virtual.id!r}",
+                ("virtual_sections", number, key),
+                "detection_sections",
+                virtual.detection_section,
+            )
+    for number, local in enumerate(line.localization_sections):
+        name = f"localization section {local.id!r}"
+        yield name, ("localization_sections", number, "fibre"), "fibres", local.fibre
+
+
+def _view_zones(line: Line) -> Iterator[Flaw]:
+    for number, reflector in enumerate(line.reflectors):
+        if reflector.view_to_mm >= reflector.view_from_mm:
+            yield Flaw(
                 f"reflector {reflector.id!r}: its view zone begins {reflector.view_from_mm} mm before it and must end "
-                f"nearer to it, not {reflector.view_to_mm} mm before it"
+                f"nearer to it, not {reflector.view_to_mm} mm before it",
+                [("reflectors", number, "view_to_mm")],
             )
 
 
-def _fibres(line: Line) -> Iterator[str]:
-    for fibre in line.fibres:
-        yield from _one_fibre(fibre)
+def _fibres(line: Line) -> Iterator[Flaw]:
+    for number, fibre in enumerate(line.fibres):
+        yield from (Flaw(told, [("fibres", number)]) for told in _one_fibre(fibre))
     lengths = {fibre.id: fibre.length_mm for fibre in line.fibres}
-    for section in line.localization_sections:
+    for number, section in enumerate(line.localization_sections):
+        name, at = f"localization section {section.id!r}", [("localization_sections", number)]
         if section.from_fibre_mm >= section.to_fibre_mm:
-            yield f"localization section {section.id!r}: from_fibre_mm must lie before to_fibre_mm"
+            yield Flaw(f"{name}: from_fibre_mm must lie before to_fibre_mm", at)
         elif section.to_fibre_mm > lengths.get(section.fibre, section.to_fibre_mm):
-            yield f"localization section {section.id!r}: lies beyond the end of fibre {section.fibre!r}"
+            yield Flaw(f"{name}: lies beyond the end of fibre {section.fibre!r}", at)
 
 
 def _one_fibre(fibre: Fibre) -> Iterator[str]:
@@ -264,7 +312,7 @@ def _covers(stretch: Stretch, edge: str, position_mm: int) -> bool:
     return stretch.edge == edge and low <= position_mm <= high
 
 
-_CHECKS: tuple[Callable[[Line], Iterator[str]], ...] = (
+_CHECKS: tuple[Callable[[Line], Iterator[Flaw]], ...] = (
     _identities,
     _telegram_identities,
     _marker_identities,

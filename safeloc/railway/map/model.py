@@ -30,6 +30,7 @@ from safeloc.railway.map.elements import (
     Tunnel,
     VirtualSection,
 )
+from safeloc.railway.map.flaws import Flaw, FlawsError
 from safeloc.railway.map.integrity import contradictions
 
 Checksum = Annotated[str, Field(pattern=r"^sha256:[0-9a-f]{64}$")]
@@ -73,14 +74,11 @@ class Line(Element):
     @model_validator(mode="after")
     def _agrees_with_itself(self) -> Line:
         wrong = list(contradictions(self))
+        if self.checksum is not None and not wrong and self.checksum != content_checksum(self):
+            told = f"checksum is {self.checksum}, but the content has {content_checksum(self)}: do not use it"
+            wrong.append(Flaw(told, (("checksum",),)))
         if wrong:
-            shown = "; ".join(wrong[:10])
-            more = f"; and {len(wrong) - 10} more" if len(wrong) > 10 else ""
-            raise ValueError(f"{shown}{more}")
-        if self.checksum is not None and self.checksum != content_checksum(self):
-            raise ValueError(
-                f"checksum is {self.checksum}, but the content has {content_checksum(self)}: do not use it"
-            )
+            raise FlawsError(wrong)
         return self
 
 

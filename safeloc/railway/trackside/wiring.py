@@ -19,11 +19,11 @@ from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.models.sections import SectionsConfig
 from safeloc.railway.map.toml_place import line_of, refusal
+from safeloc.railway.trackside.division import Stretch, division_flaws
 from safeloc.runtime.outside import read_text, reading
 
 _MOST_BYTES = 10_000_000
 _Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.:-]{1,64}$")]
-_Stretch = tuple[int, int]
 
 
 class VehicleWiring(Config):
@@ -42,12 +42,16 @@ class VehicleWiring(Config):
 
 
 class AreaWiring(Config):
-    """An area: its ends, its virtual sections, the detection sections inside it, and the vehicles that may come; all if none is named."""
+    """An area: its ends, its virtual sections, the detection sections inside it, and the vehicles that may come; all if none is named.
+
+    without_section_mm  stretches that no virtual section covers on purpose; a gap that is not named is refused
+    """
 
     low_end_mm: int
     high_end_mm: int
-    sections_mm: tuple[_Stretch, ...]
-    inner_mm: tuple[_Stretch, ...] = ()
+    sections_mm: tuple[Stretch, ...]
+    without_section_mm: tuple[Stretch, ...] = ()
+    inner_mm: tuple[Stretch, ...] = ()
     vehicles: tuple[_Name, ...] | None = None
 
     @property
@@ -150,12 +154,17 @@ def _require_area(wiring: Wiring, name: str) -> None:
     for key, given, wanted, figure in counts:
         if given != wanted:
             raise wiring.refuse((*place, key), f"{given} stretches, but the configuration has {figure} = {wanted}.")
-    for number, (start, end) in enumerate(area.sections_mm):
-        if not area.low_end_mm <= start < end <= area.high_end_mm:
-            raise wiring.refuse((*place, "sections_mm", number), f"[{start}, {end}] is no stretch within the area.")
-    for number, (start, end) in enumerate(area.inner_mm):
-        if not area.low_end_mm <= start < end <= area.high_end_mm:
-            raise wiring.refuse((*place, "inner_mm", number), f"[{start}, {end}] is no stretch within the area.")
+    for key, stretches in (
+        ("sections_mm", area.sections_mm),
+        ("without_section_mm", area.without_section_mm),
+        ("inner_mm", area.inner_mm),
+    ):
+        for number, (start, end) in enumerate(stretches):
+            if not area.low_end_mm <= start < end <= area.high_end_mm:
+                raise wiring.refuse((*place, key, number), f"[{start}, {end}] is no stretch within the area.")
+    flaw = next(division_flaws(area.low_end_mm, area.high_end_mm, area.sections_mm, area.without_section_mm), None)
+    if flaw is not None:
+        raise wiring.refuse((*place, flaw.key, flaw.number), flaw.why)
     for vehicle in area.vehicles or ():
         if (area.vehicles or ()).count(vehicle) > 1:
             raise wiring.refuse((*place, "vehicles"), f"{vehicle} is named twice.")

@@ -20,8 +20,8 @@ def test_shipped_vehicles_have_figures() -> None:
 
 WRONG = {
     "[localization]\ntolerance_mm = 5\n": r"v\.toml:1: localization: tolerance_mm 5 is not above odometry_constant_mm 5000",
-    "[localization]\n\ntolerance = 5\n": r"v\.toml:3: localization\.tolerance: Extra inputs are not permitted$",
-    "[localization]\ntolerance_mm = '5'\n": r"v\.toml:2: localization\.tolerance_mm: Input should be a valid integer$",
+    "[localization]\n\ntolerance = 5\n": r"v\.toml:3: localization\.tolerance: Extra inputs are not permitted \(got 5\)\.$",
+    "[localization]\ntolerance_mm = '5'\n": r"v\.toml:2: localization\.tolerance_mm: Input should be a valid integer \(got '5'\)\.$",
     "length_mm = 5\n": r"v\.toml: has no table \[localization\] with the figures for the audit",
     "length_mm = \n": r"v\.toml: cannot be read: Invalid value",
 }
@@ -49,8 +49,11 @@ def test_unknown_vehicles_are_refused() -> None:
             "vehicle_length_mm = 4_000",
             r"3: localization\.markers\.vehicle_length_mm|2: localization\.markers: vehicle_length_mm 4000",
         ),
-        ("length = 4_000", r"3: localization\.markers\.length: Extra inputs are not permitted"),
-        ("pending_markers = 9", r"3: localization\.markers\.pending_markers: Input should be less than or equal to 8"),
+        ("length = 4_000", r"3: localization\.markers\.length: Extra inputs are not permitted \(got 4000\)"),
+        (
+            "pending_markers = 9",
+            r"3: localization\.markers\.pending_markers: Input should be less than or equal to 8 \(got 9\)",
+        ),
     ],
 )
 def test_wrong_figures_of_marker_readers_are_named(tmp_path: Path, figures: str, told: str) -> None:

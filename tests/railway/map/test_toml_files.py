@@ -77,11 +77,33 @@ WRONG = {
     ),
     "a contradiction": (
         SOUND.replace('to_node = "b"', 'to_node = "c"'),
-        r"^l\.toml:1: edge 'e': there is no node 'c'; node 'b': no edge ends there\.$",
+        r"^l\.toml:14: edge 'e': there is no node 'c'; l\.toml:8: node 'b': no edge ends there\.$",
     ),
     "a checksum of something else": (
         SOUND.replace('version = "1"', f'version = "1"\nchecksum = "sha256:{"0" * 64}"'),
-        r"^l\.toml:1: checksum is sha256:0+, but the content has sha256:\w+: do not use it\.$",
+        r"^l\.toml:4: checksum is sha256:0+, but the content has sha256:\w+: do not use it\.$",
+    ),
+    "one id twice": (
+        SOUND + '[[nodes]]\nid = "b"\n',
+        r"^l\.toml:19: nodes: 2 elements are called 'b' \(l\.toml:19, l\.toml:9\)\.$",
+    ),
+    "one identity of two markers": (
+        SOUND
+        + '[[markers]]\nid = "m"\nedge = "e"\nposition_mm = 5\nidentity = 7\n'
+        + '[[markers]]\nid = "n"\nedge = "e"\nposition_mm = 6\nidentity = 7\n',
+        r"^l\.toml:27: markers: 2 markers have the identity 7, .* \(l\.toml:27, l\.toml:22\)\.$",
+    ),
+    "an element beyond its edge": (
+        SOUND + '[[markers]]\nid = "m"\nedge = "e"\nposition_mm = 5_000\nidentity = 7\n',
+        r"^l\.toml:21: marker 'm': 5000 mm lies beyond edge 'e' of 1000 mm\.$",
+    ),
+    "a reference to nothing": (
+        SOUND
+        + '[[virtual_sections]]\nid = "v"\ndetection_section = "d"\n'
+        + "[[virtual_sections.stretches]]\n"
+        + 'edge = "e"\nfrom_mm = 9\nto_mm = 9\n',
+        r"^l\.toml:21: virtual section 'v': from_mm 9 must lie before to_mm 9; l\.toml:20: virtual section 'v': there is no 'd' "
+        r"among detection_sections\.$",
     ),
     "a marker without an identity": (
         SOUND + '[[markers]]\nid = "m"\nedge = "e"\nposition_mm = 5\n',
@@ -115,6 +137,11 @@ def test_json_mistakes_are_named() -> None:
     """JSON has keys but no lines to tell, unless it is no JSON at all."""
     with pytest.raises(InputError, match=r"^l\.json: name: Field required\. \(3 more\)$"):
         from_json("{}", "l.json")
+    twice = from_toml(SOUND, "l").model_dump_json().replace('"id":"b"', '"id":"a"').replace('"b"', '"a"')
+    with pytest.raises(
+        InputError, match=r"^l\.json: nodes: 2 elements are called 'a'; edge 'e': begins and ends at node"
+    ):
+        from_json(twice, "l.json")
     with pytest.raises(InputError, match=r"^l\.json:1: not JSON: "):
         from_json("{", "l.json")
     with pytest.raises(InputError, match=r"^l\.json: a line is a table of keys, not list\.$"):
@@ -151,6 +178,26 @@ def test_lines_of_nested_tables() -> None:
         )
     ]
     assert 1 == line_of(text, ("absent",))
+
+
+def test_lines_of_arrays_and_quoted_names() -> None:
+    """An entry of an array has the line where it begins; brackets in comments and strings are none, and rows no headers."""
+    text = (
+        "[areas.\"west:1\"]\nm = [\n  [0, 5], # x, [\n  ['a]'],\n  # nothing\n\n  [5,\n   6],\n]\n"
+        "q = [1, 2]\nk = [\n  1,\n  2]\nz = 3\n"
+    )
+    places: tuple[tuple[str | int, ...], ...] = (
+        (),
+        ("m", 0),
+        ("m", 1),
+        ("m", 2),
+        ("m", 2, 1),
+        ("m", 3),
+        ("q", 1),
+        ("k", 1),
+        ("z",),
+    )
+    assert [1, 3, 4, 7, 8, 2, 10, 13, 14] == [line_of(text, ("areas", "west:1", *one)) for one in places]
 
 
 @pytest.mark.parametrize("depth", [150, 900, 100_000])
