@@ -21,6 +21,7 @@ from safeloc.language.terms import alike, variables
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
+from safeloc.proof.provers.before_forking import prepare
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
@@ -234,6 +235,7 @@ def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
 
 def with_base(queue: Queue, system: TransitionSystem, limits: Limits, then: Callable[[Base, float], None]) -> None:
     """Call `then` with the system's base and the seconds it took: now, if it is known, or when a task of the queue has proved it."""
+    prepare()
     known = known_base(system, limits.seconds)
     if known is not None:
         then(known, 0.0)
