@@ -304,5 +304,9 @@ def _joined(pieces: Sequence[Segment]) -> list[Segment]:
 
 def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]:
     """Intersect two lists of segments."""
-    pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
-    return [(low, high) for low, high in pairs if low <= high]
+    found = list[Segment]()
+    for low, high in first:
+        for begin, end in second:
+            if begin <= high and low <= end:
+                found.append((low if low > begin else begin, high if high < end else end))
+    return found
