@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, assert_never
+from typing import Literal, assert_never
 
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import PropertyError
@@ -240,19 +240,30 @@ def with_base(queue: Queue, system: TransitionSystem, limits: Limits, then: Call
     if known is not None:
         then(known, 0.0)
         return
-    work = partial(base, system, seconds=limits.seconds)
-    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits) * (1 + len(system.parts)))
+    work = partial(_packed_bases, system, limits.seconds)
+    task = Task(f"{system.name}: ranges and lemmas", work, _end(limits) * (1 + len(system.parts)))
     queue.add(task, partial(_remember_base, system, limits, then))
 
 
+def _packed_bases(system: TransitionSystem, seconds: float) -> list[Packed]:
+    """Return the system's base, and then those of its machines, from which it is made: other tasks ask for them as well."""
+    return [pack_base(base(one, seconds=seconds)) for one in (system, *(part.alone for part in system.parts))]
+
+
 def _remember_base(
-    system: TransitionSystem, limits: Limits, then: Callable[[Base, float], None], packed: Any | Lost, seconds: float
+    system: TransitionSystem,
+    limits: Limits,
+    then: Callable[[Base, float], None],
+    packed: list[Packed] | Lost,
+    seconds: float,
 ) -> None:
     terms = {**ranges_and_lemmas(system), **contracts(system)}
     if isinstance(packed, Lost):
         known = Base({}, {}, {name: Undecided(packed.reason) for name in terms}, {}, limits.seconds)
     else:
-        known = unpack_base(packed, terms)
+        known = unpack_base(packed[0], terms)
+        for part, its in zip(system.parts, packed[1:], strict=True):
+            remember(part.alone, unpack_base(its, {**ranges_and_lemmas(part.alone), **contracts(part.alone)}))
     remember(system, known)
     then(known, seconds)
 
