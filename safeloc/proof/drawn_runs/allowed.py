@@ -114,11 +114,13 @@ class Allowed:
         self._row, self._code = _row_of(reads), compiled_terms(reads, terms)
         self._together = Together(self._bent)
 
-    def some(self, values: Mapping[Var, Value], draw: random.Random) -> Sequence[Segment]:
+    def some(
+        self, values: Mapping[Var, Value], draw: random.Random, broken: Condition | None = None
+    ) -> Sequence[Segment]:
         """Return some values for which all conditions hold, each as a segment, or all intervals of them; empty if none were found.
 
         Mostly only a few values are tried, at the ends of what the linear conditions allow and within: to find where the others hold
-        takes much longer.
+        takes much longer. `broken`, one of the conditions, is asked first: most variables cannot mend it, whatever the others say.
         """
         found = self._straight_segments(values, (self._var.low, self._var.high))
         if not found or not self._bent:
@@ -129,11 +131,11 @@ class Allowed:
             kept = list[Segment]()
             for value in sorted({low, high, draw.randint(low, high)}):
                 trial[self._var] = value
-                if all(self._together.holds(trial)):
+                if (broken is None or broken.holds(trial)) and all(self._together.holds(trial)):
                     kept.append((value, value))
             if kept or draw.random() < _GIVEN_UP:
                 return kept
-        return self._narrowed(values, found)
+        return self._narrowed(values, found, broken)
 
     def segments(self, values: Mapping[Var, Value], within: Segment | None = None) -> Sequence[Segment]:
         """Return the intervals, or what of them is `within`, in which all conditions hold, in order; the other variables stay as
@@ -154,9 +156,11 @@ class Allowed:
             begin = end
         return found
 
-    def _narrowed(self, values: Mapping[Var, Value], found: Sequence[Segment]) -> Sequence[Segment]:
-        """Return the part of the segments in which the conditions hold that are not linear in the variable."""
-        for one in self._bent:
+    def _narrowed(
+        self, values: Mapping[Var, Value], found: Sequence[Segment], first: Condition | None = None
+    ) -> Sequence[Segment]:
+        """Return the part of the segments in which the conditions hold that are not linear in the variable; `first` is asked first."""
+        for one in sorted(self._bent, key=lambda one: one is not first):
             if not found:
                 return found
             if _few(found):
@@ -300,5 +304,9 @@ def _joined(pieces: Sequence[Segment]) -> list[Segment]:
 
 def common(first: Sequence[Segment], second: Sequence[Segment]) -> list[Segment]:
     """Intersect two lists of segments."""
-    pairs = [(max(a[0], b[0]), min(a[1], b[1])) for a in first for b in second]
-    return [(low, high) for low, high in pairs if low <= high]
+    found = list[Segment]()
+    for low, high in first:
+        for begin, end in second:
+            if begin <= high and low <= end:
+                found.append((low if low > begin else begin, high if high < end else end))
+    return found

@@ -109,6 +109,7 @@ class _Code:
             (*system.state, *system.inputs), [*(system.next[var] for var in system.state), *system.fired.values()]
         )
         self.outputs = compile_terms(system.state, list(system.outputs.values()))
+        self._names: dict[Row, tuple[str, ...]] = {}
 
     def first(self, chosen: Mapping[str, Value]) -> Row:
         """Return the first state; InputError as in `interpret.start`."""
@@ -119,9 +120,12 @@ class _Code:
         moved = self._move((*state, *inputs))
         return moved[: self._states], moved[self._states :]
 
-    def fired(self, numbers: Row) -> dict[str, str]:
-        """Return the names of the transitions that fired, by fired variable."""
-        return fired_names(dict(zip(self._system.fired, map(int, numbers), strict=True)))
+    def fired(self, numbers: Row) -> tuple[str, ...]:
+        """Return the names of the transitions that fired; the same few come again and again, and are looked up once."""
+        if numbers not in self._names:
+            fired = dict(zip(self._system.fired, map(int, numbers), strict=True))
+            self._names[numbers] = tuple(fired_names(fired).values())
+        return self._names[numbers]
 
 
 class Driver:
@@ -297,10 +301,13 @@ class Driver:
         done = self.statistics
         done.steps += 1
         done.lawful += self.kept
-        for number, prop in enumerate(self.properties):
-            done.admitted[prop] += self._required(number)
+        if all(self._kept):
+            done.admitted.update(self.properties)
+        else:
+            for number, prop in enumerate(self.properties):
+                done.admitted[prop] += self._required(number)
         done.deepest = max(done.deepest, self.steps)
-        done.fired.update(self._code.fired(fired).values())
+        done.fired.update(self._code.fired(fired))
 
     def _recorded(self, trace: Trace) -> _Known:
         self.first = dict(trace.initial)

@@ -86,7 +86,7 @@ class Repair:
         """Repair one broken part; return the variables that were changed."""
         candidates = self._ordered(broken, values, draw)
         for var in candidates:
-            allowed = self._allowed(var, values, draw)
+            allowed = self._allowed(var, broken, values, draw)
             if allowed:
                 values[var] = pick(var, *draw.choice(allowed))
                 return [var]
@@ -118,11 +118,13 @@ class Repair:
             ),
         )
 
-    def _allowed(self, var: NumVar, values: Mapping[Var, Value], draw: random.Random) -> Sequence[Segment]:
-        """Return segments of `var`, or some of them, in which every part that reads it holds."""
+    def _allowed(
+        self, var: NumVar, broken: Condition, values: Mapping[Var, Value], draw: random.Random
+    ) -> Sequence[Segment]:
+        """Return segments of `var`, or some of them, in which every part that reads it holds, the broken one too."""
         if var not in self._along:
             self._along[var] = Allowed(var, self._readers[var].conditions)
-        return self._along[var].some(values, draw)
+        return self._along[var].some(values, draw, broken)
 
     def _leave_out(self, broken: Condition, values: dict[Var, Value], draw: random.Random) -> Sequence[Var]:
         """Flip one or two truth values, such as the presence of a measurement, so that the broken part holds.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, assert_never
+from typing import Literal, assert_never
 
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import PropertyError
@@ -21,6 +21,7 @@ from safeloc.language.terms import alike, variables
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
+from safeloc.proof.provers.before_forking import prepare
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
@@ -234,23 +235,35 @@ def proved_base(system: TransitionSystem, limits: Limits) -> tuple[Base, float]:
 
 def with_base(queue: Queue, system: TransitionSystem, limits: Limits, then: Callable[[Base, float], None]) -> None:
     """Call `then` with the system's base and the seconds it took: now, if it is known, or when a task of the queue has proved it."""
+    prepare()
     known = known_base(system, limits.seconds)
     if known is not None:
         then(known, 0.0)
         return
-    work = partial(base, system, seconds=limits.seconds)
-    task = Task(f"{system.name}: ranges and lemmas", lambda: pack_base(work()), _end(limits) * (1 + len(system.parts)))
+    work = partial(_packed_bases, system, limits.seconds)
+    task = Task(f"{system.name}: ranges and lemmas", work, _end(limits) * (1 + len(system.parts)))
     queue.add(task, partial(_remember_base, system, limits, then))
 
 
+def _packed_bases(system: TransitionSystem, seconds: float) -> list[Packed]:
+    """Return the system's base, and then those of its machines, from which it is made: other tasks ask for them as well."""
+    return [pack_base(base(one, seconds=seconds)) for one in (system, *(part.alone for part in system.parts))]
+
+
 def _remember_base(
-    system: TransitionSystem, limits: Limits, then: Callable[[Base, float], None], packed: Any | Lost, seconds: float
+    system: TransitionSystem,
+    limits: Limits,
+    then: Callable[[Base, float], None],
+    packed: list[Packed] | Lost,
+    seconds: float,
 ) -> None:
     terms = {**ranges_and_lemmas(system), **contracts(system)}
     if isinstance(packed, Lost):
         known = Base({}, {}, {name: Undecided(packed.reason) for name in terms}, {}, limits.seconds)
     else:
-        known = unpack_base(packed, terms)
+        known = unpack_base(packed[0], terms)
+        for part, its in zip(system.parts, packed[1:], strict=True):
+            remember(part.alone, unpack_base(its, {**ranges_and_lemmas(part.alone), **contracts(part.alone)}))
     remember(system, known)
     then(known, seconds)
 

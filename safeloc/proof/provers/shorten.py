@@ -7,11 +7,11 @@ Candidates run on generated code; the result is the interpreter's exact replay.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 
-from safeloc.codegen.compiled import compile_system
+from safeloc.codegen.compiled import compile_terms
 from safeloc.errors import EngineError
-from safeloc.language.expr import BoolVar, NumVar, Var
+from safeloc.language.expr import NumVar, Var
+from safeloc.language.interpret import start
 from safeloc.language.nodes import Value
 from safeloc.language.spec import Goal
 from safeloc.language.system import TransitionSystem, canonical, environment
@@ -67,29 +67,24 @@ def _judge(goal: Goal, first: Mapping[str, Value]) -> Breaks:
 
     It returns None if the stream never does, or if it breaks the assumption before.
     """
-    allowed, system = BoolVar("observer.allowed"), goal.system
-    code = compile_system(
-        replace(
-            system,
-            state=(*system.state, allowed),
-            next={**system.next, allowed: environment(system)},
-            initial={**system.initial, allowed: True},
-            outputs={"good": goal.good},
-        )
+    system = goal.system
+    move = compile_terms(
+        (*system.state, *system.inputs), [environment(system), *(system.next[var] for var in system.state)]
     )
+    good = compile_terms(system.state, [goal.good])
     names = [var.name for var in system.inputs]
-    begin = code.first(dict(first))
+    begin = tuple(start(system, dict(first)).values())
 
     def breaks(stream: Sequence[Record]) -> int | None:
         spend((len(stream) + 1) / _TRIED_A_SECOND)
-        state = begin
-        if not code.outputs(state)[0]:
+        state: Sequence[Value] = begin
+        if not good(state)[0]:
             return 0
         for number, record in enumerate(stream, 1):
-            state, _ = code.step(state, tuple(record[name] for name in names))
-            if not state[-1]:
+            allowed, *state = move((*state, *(record[name] for name in names)))
+            if not allowed:
                 return None
-            if not code.outputs(state)[0]:
+            if not good(state)[0]:
                 return number
         return None
 

@@ -17,8 +17,8 @@ from safeloc.language.units import MM
 from safeloc.language.verdict import Held, Proved, Unknown, Violated
 from safeloc.language.world import World
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.portfolio import prove
-from safeloc.proof.provers.proved_base import Base, remember
+from safeloc.proof.provers.portfolio import prove, proved_base
+from safeloc.proof.provers.proved_base import Base, known_base, remember
 from safeloc.proof.results import Finding
 
 IDLE, BUSY = modes("IDLE", "BUSY")
@@ -74,6 +74,18 @@ def test_the_machine_by_itself_is_asked() -> None:
     assert own
     assert all("; part: follower" in text for text in own)
     assert any("; rule: wires\n; of: follower" in text for text in texts)
+
+
+def test_what_is_proved_of_the_machines_comes_with_the_base_of_the_whole() -> None:
+    """The base of each machine by itself is known with that of the composition, and is the one that the provers find."""
+    whole, fresh = Follower().whole.system, Follower().whole.system
+    proved_base(whole, Limits(seconds=10))
+    for part, again in zip(whole.parts, fresh.parts, strict=True):
+        known = known_base(part.alone, 10)
+        assert known is not None
+        proved, _ = proved_base(again.alone, Limits(seconds=10))
+        assert [*map(str, known.always)] == [*map(str, proved.always)]
+        assert known.certificates == proved.certificates
 
 
 def test_where_it_hears_more_than_it_may_the_whole_is_asked() -> None:
