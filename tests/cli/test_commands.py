@@ -89,6 +89,7 @@ def test_list_requirements_as_text(call: Call) -> None:
     assert lines[-1].startswith("gap: ")
 
 
+@pytest.mark.thorough
 def test_list_properties(call: Call) -> None:
     """Properties are listed by machine with the requirements they answer for."""
     rows = json.loads(call("list", "properties", "--json").out)
@@ -309,6 +310,7 @@ def test_verify_and_report(call: Call, tmp_path: Path) -> None:
     assert (tmp_path / "index.html").read_bytes() == page
 
 
+@pytest.mark.thorough
 def test_one_page_and_plain_files(call: Call, tmp_path: Path) -> None:
     """verify can write one page; report writes out what is packed, and a run named by its result is replayed."""
     folder, plain = tmp_path / "report", tmp_path / "plain"

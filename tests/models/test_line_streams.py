@@ -193,6 +193,7 @@ def test_coarse_groups_keep_the_law_too() -> None:
     assert [] == broken(stream)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("line", "machine", "models"), [("fig2", "stop_point", ""), ("fig3", "turn_off", "ACD")])
 def test_every_property_holds_at_the_platform_and_over_a_switch(line: str, machine: str, models: str) -> None:
     """A stop at Fig. 2 and a turn at Fig. 3: lawful, and all properties hold."""
@@ -400,6 +401,7 @@ def test_faults_on_the_way_to_recognition(fault: str, decisions: set[int], reaso
     assert told.outputs[-1]["refutes_authority"] is (fault == "authority-wrong")
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("fault", "seen_courses"),
     [("group-missed", 0), ("distance-missing", 1), ("frames-missing", 2), ("reflector-hidden", 2), ("echoes-weak", 2),
@@ -413,12 +415,13 @@ def test_faults_over_switches(fault: str, seen_courses: int) -> None:
     assert any(one["contradicts"] for one in told.outputs) is (fault == "authority-wrong")
 
 
-def test_lawful_faults_keep_every_property() -> None:
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("fault", ["distance-missing:60000-62000", "reflector-gone:109"])
+def test_lawful_faults_keep_every_property(fault: str) -> None:
     """A fault that is called lawful breaks no assumption: here a silent odometer and a missed reflector."""
     route = between(walk_of("fig1").line, "103", 350_000, 500_000)
-    for fault in ("distance-missing:60000-62000", "reflector-gone:109"):
-        (stream,) = driven("fig1", "reflector", fault, route=route)
-        assert [] == broken(stream)
+    (stream,) = driven("fig1", "reflector", fault, route=route)
+    assert [] == broken(stream)
 
 
 EACH = [(name, machine) for name, fault in FAULTS.items() for machine in fault.outcomes]

@@ -92,6 +92,7 @@ def found(page: Page) -> list[str]:
     ]
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_search_and_filter(page: Page, report: Path) -> None:
     """By words of a claim, by kind and by verdict; what does not hold comes first; nothing is said on the console."""
     page.open(report)
@@ -267,6 +268,7 @@ def test_watch_expressions(page: Page, report: Path) -> None:
     assert page.said() == []
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) -> None:
     """The machine goes on in the page as the interpreter does; the run is saved as a stream and as a test; no verdict speaks of it."""
     opened(page, runs_of(report), f"{WRONG}&step=1")

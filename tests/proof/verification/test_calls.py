@@ -89,6 +89,7 @@ def test_property_tests_alone(emitter: Target) -> None:
     assert expected_of_tests(emitter) >= len(findings)
 
 
+@pytest.mark.thorough
 def test_everything_of_a_target(emitter: Target) -> None:
     """One call makes proofs, obligations and tests."""
     assert {"property", "obligation", "test"} <= {one.kind for one in verify_target(emitter, PLAN, jobs=1)}

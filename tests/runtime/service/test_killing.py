@@ -178,6 +178,7 @@ def interval(report: Data) -> Any:
     return report["interval_mm"]
 
 
+@pytest.mark.thorough
 def test_lines_that_go_on_by_number_are_not_doubted(tmp_path: Path) -> None:
     """A process that was stopped in order and misses no line goes on as if it had not been stopped."""
     arguments = ("--from", "tcp:0", "--snapshot", str(tmp_path / "snapshot.json"))
