@@ -49,6 +49,7 @@ properties = ["light"]
 """
 INTERVAL = """
 from safeloc.reported import Reported
+from tests.shipped import shipped
 reported = Reported(position="somewhere")
 """
 
@@ -83,7 +84,7 @@ def refused(spec: str, config: Path | None = None) -> str:
 @pytest.mark.parametrize("name", list(ENTRIES))
 def test_shipped(name: str) -> None:
     """A shipped machine comes with its properties, its default configuration and its documentation."""
-    found = load_target(name)
+    found = shipped(name)
     assert (found.name, found.system.name) == (name, name)
     assert found.properties
     assert found.doc

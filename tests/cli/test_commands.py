@@ -303,6 +303,7 @@ def test_verify_and_report(call: Call, tmp_path: Path) -> None:
     assert f"report: {tmp_path / 'index.html'}" in called.err
     data = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     jsonschema.validate(data, schema())
+    assert data["made_by"]["command"].startswith("safeloc verify ")
     assert {"property", "obligation", "test"} == {row["kind"] for row in data["results"]}
     page = (tmp_path / "index.html").read_bytes()
     (tmp_path / "index.html").unlink()

@@ -61,6 +61,7 @@ def test_a_wrong_lemma_does_no_harm(call: Call, tmp_path: Path) -> None:
     assert "violated  floor/lemma/a tile in each place" in called.out
 
 
+@pytest.mark.thorough
 def test_the_assumption_of_the_door_ends(call: Call, tmp_path: Path) -> None:
     """The three findings of the page, and where to read on."""
     (door,) = blocks("empty_assumption")

@@ -289,6 +289,7 @@ REJECTED = {
 }
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("fault", REJECTED)
 def test_a_faulty_group_is_rejected_with_its_reason(fault: str) -> None:
     """Each in its own words; groups before and after it count."""
@@ -347,6 +348,7 @@ def test_the_balise_machines_odometer_fails(fault: str, judged: str, reason: set
     assert reason == told.every("reason")
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("fault", "fired", "precise_at_last"),
     [("group-missed", "wait for a balise", False), ("distance-missing", "odometer failed", False),
@@ -372,6 +374,7 @@ def test_what_is_not_the_reflector_is_called_so() -> None:
     assert "OTHER_MODEL" in decoy.every("echo_1_last_verdict") | decoy.every("echo_2_last_verdict")
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("fault", "modes"),
     [("group-missed", {"IDLE"}), ("distance-missing", {"IDLE"}), ("frames-missing", {"IDLE", "APPROACH", "BRAKING"}),

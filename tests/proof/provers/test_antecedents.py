@@ -77,6 +77,7 @@ def test_what_never_occurs_is_vacuous(prop: Property, words: str) -> None:
     assert "never occurs (proved by" in finding.result.reason
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     "prop",
     [
