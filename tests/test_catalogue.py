@@ -14,6 +14,7 @@ from safeloc.catalogue import ENTRIES, Target, load_target, read_config
 from safeloc.errors import InputError, ModelError
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry.variables import OdometryConfig
+from tests.shipped import shipped
 
 OWN = """
 from safeloc.language.composition import compose
@@ -49,7 +50,6 @@ properties = ["light"]
 """
 INTERVAL = """
 from safeloc.reported import Reported
-from tests.shipped import shipped
 reported = Reported(position="somewhere")
 """
 
