@@ -30,6 +30,8 @@ settings.load_profile(os.environ.get("SAFELOC_HYPOTHESIS", "ci"))
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+gc.disable()  # while tests are collected: modules stay, so a collection would find nothing
+
 NUMBERS = count()
 GENERATING = ("codegen", "fuzz", "language")
 """Folders with tests of generated code itself."""
@@ -47,6 +49,7 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
+    gc.enable()
 
 
 @pytest.fixture(scope="session")

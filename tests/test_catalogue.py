@@ -14,6 +14,7 @@ from safeloc.catalogue import ENTRIES, Target, load_target, read_config
 from safeloc.errors import InputError, ModelError
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry.variables import OdometryConfig
+from tests.shipped import shipped
 
 OWN = """
 from safeloc.language.composition import compose
@@ -83,7 +84,7 @@ def refused(spec: str, config: Path | None = None) -> str:
 @pytest.mark.parametrize("name", list(ENTRIES))
 def test_shipped(name: str) -> None:
     """A shipped machine comes with its properties, its default configuration and its documentation."""
-    found = load_target(name)
+    found = shipped(name)
     assert (found.name, found.system.name) == (name, name)
     assert found.properties
     assert found.doc

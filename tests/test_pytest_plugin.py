@@ -81,6 +81,7 @@ def test_each_claim_is_an_item(project: Path) -> None:
     assert "pytest_plugin.py" not in text
 
 
+@pytest.mark.thorough
 def test_items_are_chosen_as_usual(project: Path) -> None:
     """By a word of their names, and by the file."""
     assert ran(project, "-k", "proof and nine")[0] == 0
@@ -97,6 +98,7 @@ def test_a_recording_that_breaks_a_claim_fails(project: Path) -> None:
     assert "violated: worn" in text
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("machines", "message"),
     [

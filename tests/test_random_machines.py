@@ -19,7 +19,7 @@ def test_every_kind_of_node_is_drawn() -> None:
     """Random machines use every node kind that a machine may contain."""
     drawn: set[type[object]] = set()
 
-    @settings(max_examples=300)
+    @settings(max_examples=150)
     @given(machines())
     def collect(machine: Machine) -> None:
         system = lower(machine)

@@ -12,6 +12,7 @@ from safeloc.language.composed_names import contract_text, inputs_text
 from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 from tests.rooms import ROOT
+from tests.shipped import shipped
 
 RENAMED: Mapping[str, Mapping[str, str]] = tomllib.loads(
     (ROOT / "docs/renamed_claims.toml").read_text(encoding="utf-8")
@@ -34,8 +35,8 @@ def names() -> Mapping[str, set[str]]:
     found: dict[str, set[str]] = defaultdict(set)
     for name, entry in ENTRIES.items():
         more = entry.configurations.named.values() if name in RENAMED else ()
-        for config in (entry.config(), *more):
-            for machine, one in named(entry.make(config)):
+        for target in (shipped(name), *map(entry.make, more)):
+            for machine, one in named(target):
                 found[machine].add(one)
     return found
 

@@ -13,6 +13,7 @@ from safeloc.errors import InputError, StreamError
 from safeloc.language.verdict import word
 from safeloc.proof.verification.replay import replay_stream
 from safeloc.reported import PossibleTrack, Reported, Tracks, usual_names
+from tests.shipped import shipped
 
 OUTPUTS = {"valid": True, "position_mm": 100, "margin_below_mm": 5, "margin_above_mm": 7}
 
@@ -77,7 +78,7 @@ def test_a_recording_with_an_old_name_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ENTRIES)
 def test_shipped_machines_declare_their_interval(name: str) -> None:
     """Every shipped machine names outputs and a ghost that it has, or its entry states the reason why it reports no interval."""
-    target, reason = load_target(name), ENTRIES[name].no_interval
+    target, reason = shipped(name), ENTRIES[name].no_interval
     assert (target.reported is None) == bool(reason), f"{name}: declare `reported` in the target, or `no_interval`"
     if target.reported is None:
         assert reason.endswith(".")

@@ -18,6 +18,7 @@ from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.shipped_machines import ENTRIES, folders
 from safeloc.target import Entry, Family
+from tests.shipped import shipped
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "docs" / "examples" / "beacons.py"
@@ -99,7 +100,7 @@ def test_a_configuration_of_another_machine_is_refused() -> None:
 @pytest.mark.parametrize("name", ENTRIES)
 def test_what_hosts_are_told_is_there(name: str) -> None:
     """In its defaults a target has every machine and every input that its entry names; a wrong name would be passed over."""
-    target, entry = load_target(name), ENTRIES[name]
+    target, entry = shipped(name), ENTRIES[name]
     assert entry.silent == target.silent
     assert entry.records_of == target.input_of_record
 

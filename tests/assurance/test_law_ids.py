@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.assurance.law_ids import ids_of
-from safeloc.assurance.register import Assumption, register
+from safeloc.assurance.register import Assumption
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.language.composition import compose
 from safeloc.language.expr import Bool, number
@@ -22,15 +22,16 @@ from safeloc.language.world import Law, World
 from safeloc.proof.cores.clauses import ClauseId
 from safeloc.report.machines import machine_data
 from safeloc.target import Target
+from tests.shipped import laws_of, shipped
 
 (ON,) = modes("ON")
 Said = tuple[object, ...]
 
 
 @cache
-def registers() -> dict[str, list[Assumption]]:
+def registers() -> dict[str, tuple[Assumption, ...]]:
     """The register of every machine that ships."""
-    return {name: register(load_target(name)) for name in ENTRIES}
+    return {name: laws_of(name) for name in ENTRIES}
 
 
 def said(one: Assumption) -> Said:
@@ -76,17 +77,17 @@ def test_an_id_begins_with_a_machine_that_ships() -> None:
 def test_entries_name_their_members() -> None:
     """The register looks there for a machine that ships in compositions alone."""
     for name, entry in ENTRIES.items():
-        machines = tuple(machine.name for machine in load_target(name).machines)
+        machines = tuple(machine.name for machine in shipped(name).machines)
         assert entry.members == (() if len(machines) == 1 else machines), name
 
 
 def test_a_law_keeps_its_id_in_a_composition_unless_it_is_another_there() -> None:
     """The localizer's odometry excludes the unit that is faulty, so its law of the wheel is its own."""
-    ids = ids_of(load_target("localizer"))
+    ids = ids_of(shipped("localizer"))
     assert "odometry/A13" == ids[ClauseId("odometry", "the readers are as far apart as configured")]
     assert "localizer/odometry/A1" == ids[ClauseId("odometry", "front_wheel obeys its error law")]
     both = [
-        ids_of(load_target(name))[ClauseId("uplink", "a position that is sent holds the truth")]
+        ids_of(shipped(name))[ClauseId("uplink", "a position that is sent holds the truth")]
         for name in ("localizer", "localizer_sections")
     ]
     assert ["localizer/uplink/A1"] * 2 == both

@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from safeloc.assurance.requirements import requirements
-from safeloc.catalogue import ENTRIES, load_target
+from safeloc.catalogue import ENTRIES
+from tests.shipped import shipped
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "requirements_read_again.md").read_text(encoding="utf-8")
@@ -67,7 +68,7 @@ def claims() -> frozenset[tuple[str, str]]:
     return frozenset(
         (prop.src.rpartition(":")[0].partition("/properties/")[2], prop.name)
         for name in ENTRIES
-        for prop in load_target(name).properties
+        for prop in shipped(name).properties
     )
 
 

@@ -10,12 +10,13 @@ import pytest
 
 from safeloc.assurance import requirements as module
 from safeloc.assurance.requirements import Requirement, requirement, requirements, traceability
-from safeloc.catalogue import ENTRIES, Target, load_target
+from safeloc.catalogue import ENTRIES, Target
 from safeloc.errors import ModelError
 from safeloc.language.expr import boolean
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import always
 from safeloc.language.system import lower
+from tests.shipped import shipped
 
 ROOT = Path(__file__).parents[2]
 GIVEN = ROOT.parent / "shared" / "requirements.toml"
@@ -32,7 +33,7 @@ def published() -> list[Requirement]:
 @cache
 def targets() -> tuple[Target, ...]:
     """Every shipped machine with its default configuration."""
-    return tuple(load_target(name) for name in ENTRIES)
+    return tuple(shipped(name) for name in ENTRIES)
 
 
 def test_no_id_is_missing() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -27,16 +28,22 @@ def report(folder: Path, name: str, config: Path | None = None) -> Path:
     return written(folder, kept(target, obligations(target.system, LIMITS, properties=target.properties)))
 
 
-@pytest.fixture
-def pair(tmp_path: Path) -> Path:
-    """Of two machines, one of which does something only by itself."""
-    return report(tmp_path, "pair")
+@pytest.fixture(scope="module")
+def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The report of each declaration, made once."""
+    return {name: report(tmp_path_factory.mktemp(name), name) for name in ("pair", "counting")}
 
 
 @pytest.fixture
-def counting(tmp_path: Path) -> Path:
-    """Of a machine whose properties speak of cases that a search finds."""
-    return report(tmp_path, "counting")
+def pair(reports: dict[str, Path], tmp_path: Path) -> Path:
+    """Of two machines, one of which does something only by itself; it may be spoilt."""
+    return Path(shutil.copytree(reports["pair"], tmp_path / "copy"))
+
+
+@pytest.fixture
+def counting(reports: dict[str, Path], tmp_path: Path) -> Path:
+    """Of a machine whose properties speak of cases that a search finds; it may be spoilt."""
+    return Path(shutil.copytree(reports["counting"], tmp_path / "copy"))
 
 
 def rows(folder: Path) -> dict[str, Checked]:

@@ -23,6 +23,7 @@ def arguments(line: str) -> list[str]:
     return [quoted or plain.replace("docs/examples/near.py:machine", NEAR) for quoted, plain in words]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("line", "shown"), BLOCKS, ids=[str(number) for number in range(len(BLOCKS))])
 def test_the_page_shows_what_is_printed(call: Call, line: str, shown: str) -> None:
     """Every line of an example's output is a part of what the command prints."""

@@ -32,7 +32,7 @@ def files(folder: Path) -> dict[str, bytes]:
 def test_an_unchanged_run_is_put_back(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """File by file the report of then, into another folder too; nothing is loaded for it."""
     first, other, cache = tmp_path / "first", tmp_path / "other", tmp_path / "cache"
-    arguments = ["verify", "emitter", *QUICK, "--cache", str(cache)]
+    arguments = ["verify", "delocalized", *QUICK, "--cache", str(cache)]
     once = call(*arguments, "--out", str(first))
     assert (0, True) == (once.code, "computed now" not in once.err)
     made = files(first)
@@ -45,7 +45,7 @@ def test_an_unchanged_run_is_put_back(call: Call, tmp_path: Path, monkeypatch: p
             assert "nothing has changed since" in again.err
             assert made == files(folder)
         with pytest.raises(pytest.fail.Exception, match="a target was loaded"):
-            call("verify", "emitter", *QUICK, "--seed", "1", "--cache", str(cache), "--out", str(first))
+            call("verify", "delocalized", *QUICK, "--seed", "1", "--cache", str(cache), "--out", str(first))
 
 
 @pytest.mark.thorough

@@ -89,6 +89,7 @@ def test_list_requirements_as_text(call: Call) -> None:
     assert lines[-1].startswith("gap: ")
 
 
+@pytest.mark.thorough
 def test_list_properties(call: Call) -> None:
     """Properties are listed by machine with the requirements they answer for."""
     rows = json.loads(call("list", "properties", "--json").out)
@@ -302,6 +303,7 @@ def test_verify_and_report(call: Call, tmp_path: Path) -> None:
     assert f"report: {tmp_path / 'index.html'}" in called.err
     data = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     jsonschema.validate(data, schema())
+    assert data["made_by"]["command"].startswith("safeloc verify ")
     assert {"property", "obligation", "test"} == {row["kind"] for row in data["results"]}
     page = (tmp_path / "index.html").read_bytes()
     (tmp_path / "index.html").unlink()
@@ -309,6 +311,7 @@ def test_verify_and_report(call: Call, tmp_path: Path) -> None:
     assert (tmp_path / "index.html").read_bytes() == page
 
 
+@pytest.mark.thorough
 def test_one_page_and_plain_files(call: Call, tmp_path: Path) -> None:
     """verify can write one page; report writes out what is packed, and a run named by its result is replayed."""
     folder, plain = tmp_path / "report", tmp_path / "plain"

@@ -107,6 +107,7 @@ def test_what_is_not_decided_is_the_exit_code(call: Call, monkeypatch: pytest.Mo
     assert "not decided: transmission/A1" in told.out
 
 
+@pytest.mark.thorough
 def test_the_report_has_both_where_it_is_asked(call: Call) -> None:
     """Of a user's machine: what its claims rest on, in the page; without the option the page says how to ask."""
     asked = ["verify", DOOR, "--examples", "2", "--steps", "5", "--jobs", "1", "--cache", KEPT]

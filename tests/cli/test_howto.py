@@ -61,6 +61,7 @@ def test_a_wrong_lemma_does_no_harm(call: Call, tmp_path: Path) -> None:
     assert "violated  floor/lemma/a tile in each place" in called.out
 
 
+@pytest.mark.thorough
 def test_the_assumption_of_the_door_ends(call: Call, tmp_path: Path) -> None:
     """The three findings of the page, and where to read on."""
     (door,) = blocks("empty_assumption")
@@ -100,6 +101,7 @@ def test_commands_of_the_pages_exist(call: Call) -> None:
         assert option in re.sub(r"\x1b\[[0-9;]*m", "", helped.out), (command, option)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("job", "handed_over"), [(0, "safeloc.sarif"), (1, "safeloc.xml")])
 def test_what_a_job_runs_writes_what_it_hands_over(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, job: int, handed_over: str

@@ -32,6 +32,7 @@ def test_simulated_and_replayed(call: Call, tmp_path: Path) -> None:
     assert "door/replay/run: opens at speed" in called.err
 
 
+@pytest.mark.thorough
 def test_a_changed_recording_is_replayed_anew(call: Call, tmp_path: Path) -> None:
     """The content of the file is part of the cache's key."""
     target = door(tmp_path, "recordings = ['run.jsonl']")

@@ -21,6 +21,7 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) ->
     return caller(monkeypatch, capsys)
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -145,7 +146,7 @@ def test_a_standard_output_that_is_full(tmp_path: Path) -> None:
 
 
 def test_a_terminal_that_hangs_up(tmp_path: Path) -> None:
-    """SIGHUP ends it in order, with a snapshot; under nohup it goes on."""
+    """SIGHUP ends it in order, with a snapshot."""
     snapshot = tmp_path / "snapshot.json"
     with running(tmp_path, "--from", "tcp:0", "--snapshot", str(snapshot)) as run:
         run.port()
@@ -153,6 +154,11 @@ def test_a_terminal_that_hangs_up(tmp_path: Path) -> None:
         assert run.end(signal.SIGHUP) == 3  # no cycle ended
         assert run.log[-1]["why"] == "SIGHUP"
     assert snapshot.exists()
+
+
+@pytest.mark.thorough
+def test_a_terminal_that_hangs_up_under_nohup(tmp_path: Path) -> None:
+    """It goes on."""
     ignoring = lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)  # noqa: E731 # what nohup does
     with running(tmp_path, "--from", "tcp:0", preexec_fn=ignoring) as run:
         run.logged("started")

@@ -192,6 +192,7 @@ def test_a_run_is_saved(tmp_path: Path) -> None:
     assert told(nowhere) == f"{tmp_path}/none/run.jsonl: cannot be written: No such file or directory."
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -80,7 +80,7 @@ def test_random_machines_run_as_interpreted(data: st.DataObject) -> None:
     assert_batch_agrees(data, lower(data.draw(machines())))
 
 
-@pytest.mark.thorough(ordinary=2)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(example: Example) -> None:
     """On every example machine and any streams, numpy and the interpreter agree step by step."""

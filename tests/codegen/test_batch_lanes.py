@@ -77,7 +77,7 @@ def assert_lanes_agree(data: st.DataObject, system: TransitionSystem, batch: Lan
         assert_same_runs(some, traces)
 
 
-@settings(max_examples=30)
+@settings(max_examples=settings.default.max_examples // 3)
 @given(st.data())
 def test_random_machines_run_as_interpreted(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """On any machine and any streams, lanes and the interpreter agree step by step."""
@@ -85,7 +85,7 @@ def test_random_machines_run_as_interpreted(tmp_path_factory: pytest.TempPathFac
     assert_lanes_agree(data, system, compiled(system, tmp_path_factory.getbasetemp() / "lanes"))
 
 
-@pytest.mark.thorough(ordinary=2)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(example: Example, tmp_path: Path) -> None:
     """On every example machine and any streams, lanes and the interpreter agree step by step."""

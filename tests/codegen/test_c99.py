@@ -62,7 +62,7 @@ def by_column(machine: CMachine, rows: ctypes.Array[Any]) -> list[ctypes.Array[A
     return [(kind * len(rows))(*(getattr(row, name) for row in rows)) for name, kind in fields]
 
 
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(st.data())
 def test_random_machines_run_as_interpreted(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
     """On any machine and any stream, generated C and the interpreter agree step by step."""
@@ -133,6 +133,7 @@ WRONG = {
 }
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("wrong", WRONG)
 def test_a_wrong_generator_is_noticed(wrong: str, tmp_path: Path) -> None:
     """A change of the generated step makes the self-check fail, at a named step and value."""

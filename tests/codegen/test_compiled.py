@@ -71,6 +71,7 @@ def test_random_machines_run_as_interpreted(data: st.DataObject) -> None:
     assert_same_run(compile_system(system), run(system, stream, first=first), stream, first)
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(example: Example) -> None:
     """On every example machine and any stream, generated Python and the interpreter agree step by step."""

@@ -109,6 +109,7 @@ def test_random_machines_run_as_interpreted(node: Node, data: st.DataObject) -> 
     assert_same_run(node, system, stream, first)
 
 
+@pytest.mark.thorough(ordinary=3)
 @needs_node
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_run_as_interpreted(node: Node, example: Example) -> None:

@@ -52,6 +52,7 @@ def test_random_machines_step_as_interpreted(data: st.DataObject) -> None:
     assert_same_step(system, data.draw(records(system)), data.draw(first_states(system)))
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples_step_as_interpreted(example: Example) -> None:
     """On every example machine and any inputs, cvc5 and the interpreter agree on the step."""

@@ -24,6 +24,7 @@ def examples_of(fuzzed: Fuzzed) -> list[bytes]:
     return list(fuzzed.examples()) or pytest.skip("its extra is not installed")
 
 
+@pytest.mark.thorough(ordinary=8)
 @EACH
 def test_changed_examples_are_read_or_refused(fuzzed: Fuzzed) -> None:
     """The same changes in every run."""

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from safeloc.catalogue import ENTRIES, load_target
+from safeloc.catalogue import ENTRIES
 from safeloc.codegen.c99 import library_texts
 from safeloc.codegen.c99_layout import layout_of
 from safeloc.codegen.fmi3_description import description
@@ -19,6 +19,7 @@ from safeloc.language.units import MM
 from safeloc.models.delocalized import machine
 from safeloc.models.vocabulary.absent import NO_MARGIN_MM, NO_POSITION_MM, margin_if, position_if
 from safeloc.target import Target
+from tests.shipped import shipped
 
 OF = {"position_mm": NO_POSITION_MM, "margin_above_mm": NO_MARGIN_MM, "margin_below_mm": NO_MARGIN_MM}
 
@@ -32,7 +33,7 @@ def intervals(target: Target) -> dict[str, Num]:
 @pytest.mark.parametrize("name", ENTRIES)
 def test_every_position_may_be_absent_with_its_margins(name: str) -> None:
     """All three under the same condition, so that none is there without the others; the interval that the machine reports is among them."""
-    target = load_target(name)
+    target = shipped(name)
     found, terms = stand_ins(target.system), intervals(target)
     assert {full: OF[full.rpartition(".")[2]] for full in terms} == {full: found.get(full) for full in terms}
     conditions = {full.rpartition(".")[0]: set[str]() for full in terms}

@@ -111,6 +111,7 @@ def test_a_run_outside_the_assumption_claims_no_truth(stem: str) -> None:
     assert all(ghosts.isdisjoint(step) for step in steps_of(stem))
 
 
+@pytest.mark.thorough(ordinary=8)
 @pytest.mark.parametrize(("machine", "stem"), RUNS, ids=[stem for _, stem in RUNS])
 def test_a_recording_verifies(machine: str, stem: str) -> None:
     """Replayed as `verify` does: whatever can be judged on it holds."""

@@ -328,6 +328,7 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
     assert lost(made.machine, properties(made), broken)
 
 
+@pytest.mark.thorough
 def test_a_floor_that_is_not_added_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """MRK-4: of a unit that errs with time, what the law adds in every cycle is added."""
     monkeypatch.setattr(ErrorLaw, "growth_nm", _without_floor(None))

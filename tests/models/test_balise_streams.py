@@ -56,6 +56,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("kind", FAULTS)
 def test_a_faulty_group_never_makes_the_interval_wrong(kind: str) -> None:
     """Each named fault is rejected with its reason, and the reported interval holds the truth all the way."""

@@ -48,6 +48,7 @@ def _marked(case: tuple[str, str]) -> Any:
     return pytest.param(*case, marks=() if case == QUICK else pytest.mark.slow, id=": ".join(case))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("machine", "name"), [_marked(case) for case in CASES])
 def test_every_configuration_is_proved(machine: str, name: str) -> None:
     """With the runs that ship with the machine, which show most cases."""

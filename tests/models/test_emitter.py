@@ -194,7 +194,7 @@ def test_a_clock_that_a_row_forgets_is_noticed(row: str, forgets: str, broken: s
     assert lost(wrong.machine, properties(wrong), broken)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("fields", [{"passes_to_recover": 1}, {"passes_to_recover": 3, "window_cycles": 1}])
 def test_other_figures_are_proved(fields: dict[str, int]) -> None:
     """One pattern recovers at once, or three; a window of one cycle."""

@@ -124,6 +124,7 @@ def test_a_wrong_edit_of_the_bound_is_noticed(monkeypatch: pytest.MonkeyPatch, e
     assert not keeps(claim, CONFIG)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("edit", OF_THE_AREA)
 def test_a_wrong_edit_of_the_area_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The same of what the area judges as a whole."""

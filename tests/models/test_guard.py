@@ -130,6 +130,7 @@ def spoilt_updates(name: str, change: Callable[[Guard], dict[object, object]]) -
     return rebuilt(MODEL.machine, table)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(
     ("name", "change"),
     [
@@ -288,6 +289,7 @@ QUICK_EDITS: dict[str, tuple[object, str, Callable[..., object], str]] = {
 """What breaks these claims does so in one step."""
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("edit", QUICK_EDITS)
 def test_a_wrong_edit_of_course_or_reach_is_noticed_in_one_step(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Refusals by course and by the place last known are claimed in both directions, and follow in one step where nothing is edited."""

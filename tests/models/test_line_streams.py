@@ -193,6 +193,7 @@ def test_coarse_groups_keep_the_law_too() -> None:
     assert [] == broken(stream)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("line", "machine", "models"), [("fig2", "stop_point", ""), ("fig3", "turn_off", "ACD")])
 def test_every_property_holds_at_the_platform_and_over_a_switch(line: str, machine: str, models: str) -> None:
     """A stop at Fig. 2 and a turn at Fig. 3: lawful, and all properties hold."""
@@ -288,6 +289,7 @@ REJECTED = {
 }
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("fault", REJECTED)
 def test_a_faulty_group_is_rejected_with_its_reason(fault: str) -> None:
     """Each in its own words; groups before and after it count."""
@@ -346,6 +348,7 @@ def test_the_balise_machines_odometer_fails(fault: str, judged: str, reason: set
     assert reason == told.every("reason")
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("fault", "fired", "precise_at_last"),
     [("group-missed", "wait for a balise", False), ("distance-missing", "odometer failed", False),
@@ -371,6 +374,7 @@ def test_what_is_not_the_reflector_is_called_so() -> None:
     assert "OTHER_MODEL" in decoy.every("echo_1_last_verdict") | decoy.every("echo_2_last_verdict")
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("fault", "modes"),
     [("group-missed", {"IDLE"}), ("distance-missing", {"IDLE"}), ("frames-missing", {"IDLE", "APPROACH", "BRAKING"}),
@@ -400,6 +404,7 @@ def test_faults_on_the_way_to_recognition(fault: str, decisions: set[int], reaso
     assert told.outputs[-1]["refutes_authority"] is (fault == "authority-wrong")
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("fault", "seen_courses"),
     [("group-missed", 0), ("distance-missing", 1), ("frames-missing", 2), ("reflector-hidden", 2), ("echoes-weak", 2),
@@ -413,12 +418,13 @@ def test_faults_over_switches(fault: str, seen_courses: int) -> None:
     assert any(one["contradicts"] for one in told.outputs) is (fault == "authority-wrong")
 
 
-def test_lawful_faults_keep_every_property() -> None:
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("fault", ["distance-missing:60000-62000", "reflector-gone:109"])
+def test_lawful_faults_keep_every_property(fault: str) -> None:
     """A fault that is called lawful breaks no assumption: here a silent odometer and a missed reflector."""
     route = between(walk_of("fig1").line, "103", 350_000, 500_000)
-    for fault in ("distance-missing:60000-62000", "reflector-gone:109"):
-        (stream,) = driven("fig1", "reflector", fault, route=route)
-        assert [] == broken(stream)
+    (stream,) = driven("fig1", "reflector", fault, route=route)
+    assert [] == broken(stream)
 
 
 EACH = [(name, machine) for name, fault in FAULTS.items() for machine in fault.outcomes]

@@ -123,7 +123,7 @@ def test_what_goes_wrong_is_noticed_as_told(case: Case) -> None:
     assert against_the_sources(told) == []
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("journey", ["main-line", "freight"])
 def test_one_satellite_by_a_detour_is_left_out(journey: str) -> None:
     """Its channel is not usable while it is disturbed, the other seven are; nothing else is different."""

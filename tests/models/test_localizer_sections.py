@@ -219,6 +219,7 @@ def test_a_train_runs_through_its_section() -> None:
     assert {step.fired["trackside.fired"] for step in steps("through")} == {"no new report", "new report of both ends"}
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", SCENES)
 def test_no_section_is_clear_with_the_train_in_it(name: str) -> None:
     """In every cycle of every recording, against the truth."""

@@ -177,7 +177,7 @@ def told(step: Step, seen: LookUp) -> tuple[str, bool]:
     return edge, not outputs["delocalized.restrictive"]
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", sorted(RUNS, reverse=True))
 def test_recordings_ship_as_they_are_made(name: str) -> None:
     """From the journey of that name, with the figures of the defaults."""

@@ -9,6 +9,7 @@ import ast
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -130,7 +131,8 @@ def _fields(tree: ast.Module) -> dict[str, list[str]]:
     }
 
 
-def every() -> list[Named]:
+@cache
+def every() -> tuple[Named, ...]:
     """Every variable of the machines that ship."""
     found: list[Named] = []
     for folder in sorted(path for path in MODELS.iterdir() if path.is_dir()):
@@ -140,7 +142,7 @@ def every() -> list[Named]:
         }
         for path in files:
             found += named_in(path, {**fields, **_fields(ast.parse(path.read_text(encoding="utf-8")))})
-    return found
+    return tuple(found)
 
 
 def test_the_python_name_is_the_variables_own() -> None:

@@ -255,7 +255,7 @@ OF_MODELS: Edits = {
 """What the machine may take a model for."""
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("edit", OF_MODELS)
 def test_a_model_taken_for_another_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The same of the model that an echo shows, against what truly sent it."""

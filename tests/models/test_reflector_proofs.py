@@ -153,6 +153,7 @@ def test_a_retry_is_noticed() -> None:
     assert not inductive(broken, named(made, "no retry", broken), "no retry")
 
 
+@pytest.mark.thorough
 def test_readiness_without_a_test_is_noticed() -> None:
     """A way into readiness that leaves out the self-test is found: readiness no longer follows from a passed test."""
     made = model()

@@ -356,7 +356,7 @@ def _halved(state: State) -> State:
     return replace(state, low=state.low + floor_div(state.below, 2), high=state.high - floor_div(state.above, 2))
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "broken", "noticed"),
     [
@@ -435,7 +435,6 @@ def _at_constant_speed(right: Callable[[Parts], State]) -> Callable[[Parts], Sta
 
 
 @pytest.mark.thorough
-@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("name", "broken", "noticed"),
     [
@@ -472,6 +471,7 @@ def test_a_selection_that_accepts_every_satellite_is_noticed(noticed: str, monke
     assert lost_by(model.composition.system, properties(model), noticed)
 
 
+@pytest.mark.thorough
 def test_the_lax_criterion_bounds_no_signal() -> None:
     """Where both violations are needed to remove a satellite, nothing follows for its error, nor for the position."""
     lax = CONFIG.model_copy(update={"selection": CONFIG.selection.model_copy(update={"removal": "both"})})

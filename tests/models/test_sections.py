@@ -196,7 +196,6 @@ NOT_COUNTED: dict[str, Any] = {"trains": 1, "borders": "occupancy"}
 
 
 @pytest.mark.thorough
-@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     "area",
     [

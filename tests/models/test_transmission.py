@@ -101,6 +101,7 @@ def test_what_has_become_too_wide_is_withdrawn() -> None:
     assert trace.steps[-1].fired == {"fired": "report has become too wide"}
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """Every property and lemma, and every obligation: all transitions fire in some run."""
     model = link()

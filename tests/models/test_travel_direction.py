@@ -86,6 +86,7 @@ def made() -> TravelDirection:
     return build(parts())
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and obligations, without bound."""
     whole = made()

@@ -129,6 +129,7 @@ def made() -> TurnOff:
     return build(parts(TurnOffConfig()))
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and obligations, without bound."""
     whole = made()

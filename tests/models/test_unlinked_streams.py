@@ -99,6 +99,7 @@ def test_at_the_limits_the_truth_is_at_the_ends() -> None:
     assert ["TAKEN"] * 72 == judged("unlinked_group-at-the-limits")
 
 
+@pytest.mark.thorough
 def test_a_simulation_is_lawful() -> None:
     """Whatever the seed: the truth beside the steps keeps the assumption; another seed is another run."""
     simulate = target().simulate

@@ -47,6 +47,7 @@ def refuted(machine: Machine, claim: Property) -> bool:
     return isinstance(bmc(observe(lower(machine), claim), Limits(depth=6, seconds=30)), Violated)
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """Every claim and lemma, without a bound, and what they are for is reached."""
     assert unproved_of(right().machine, properties(right())) == {}

@@ -48,7 +48,7 @@ def test_each_is_a_run_of_its_machine(name: str) -> None:
 
 
 @pytest.mark.thorough(ordinary=1)
-@pytest.mark.parametrize("name", ["arbitration", "delocalized", "route"])
+@pytest.mark.parametrize("name", ["delocalized", "arbitration", "route"])
 def test_each_shows_something(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The tool, which keeps what still shows something, keeps all of them, and finds nothing new."""
     shipped = witnesses_of(name)

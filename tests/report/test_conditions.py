@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from safeloc.assurance.register import register, register_of
-from safeloc.catalogue import load_target
+from safeloc.assurance.register import register_of
 from safeloc.report.conditions import conditions, counts, figures, needs
 from safeloc.report.data import report_data
 from safeloc.report.page import to_html
+from tests.shipped import laws_of, shipped
 
 
 def machines(*names: str) -> list[dict[str, Any]]:
     """The machines of a report without findings."""
-    found: list[dict[str, Any]] = report_data([], [load_target(name) for name in names])["machines"]
+    found: list[dict[str, Any]] = report_data([], [shipped(name) for name in names])["machines"]
     return found
 
 
@@ -25,7 +25,7 @@ def test_every_law_is_there_once() -> None:
     """Those of the register that no machine guarantees, also if several targets have the same machine."""
     names = ("odometry", "supervised_odometry", "localizer")
     found = conditions(machines(*names))
-    laws = {(one.id, one.name) for name in names for one in register(load_target(name)) if not one.guaranteed}
+    laws = {(one.id, one.name) for name in names for one in laws_of(name) if not one.guaranteed}
     assert {(law["id"], law["name"]) for law in found["laws"]} == laws
     first = found["laws"][0]
     assert first["id"] == "odometry/A1"
@@ -37,7 +37,7 @@ def test_every_law_is_there_once() -> None:
 def test_page_and_command_count_alike() -> None:
     """Laws left to others and figures to confirm, of machines that share both; the command has the law of records besides."""
     names = ("odometry", "supervised_odometry", "balise", "marker_device", "reflector_device")
-    found, listed = conditions(machines(*names)), register_of(list(map(load_target, names)))
+    found, listed = conditions(machines(*names)), register_of(list(map(shipped, names)))
     assert listed.left_to_others == len(found["laws"]) + 1
     assert [asdict(one) for one in listed.to_confirm] == found["figures"]
     assert {law["id"] for law in found["laws"]} | {"border/B1"} == {
@@ -71,10 +71,11 @@ def test_figures_have_their_values() -> None:
     assert ["rate = 1 ppm [M]", "gone"] == figures(law, made, {"name": "m", "section": "a"})
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["localizer", "localizer_sections", "fibre_area"])
 def test_no_figure_of_a_source_is_ambiguous(name: str) -> None:
     """Which part of the configuration a machine's figures are of is known; two units of one device alone have figures of one name."""
-    [machine] = report_data([], [load_target(name)])["machines"]
+    [machine] = report_data([], [shipped(name)])["machines"]
     several = {
         words
         for part in machine["parts"]
@@ -89,6 +90,7 @@ def test_no_figure_of_a_source_is_ambiguous(name: str) -> None:
     )
 
 
+@pytest.mark.thorough
 def test_a_law_of_a_unit_names_the_figures_of_that_unit() -> None:
     """Of two units with other figures, the law of each has its own: no supplier vouches for the figures of the other's unit."""
     said = {law["name"]: law["figures"] for law in conditions(machines("odometry", "localizer"))["laws"]}
@@ -134,7 +136,7 @@ def test_claims_name_the_laws_that_they_need() -> None:
 
 def test_the_page_has_the_list_and_the_needs() -> None:
     """Each law with its number, and a row of a property leads to the laws that it needs."""
-    data = report_data([], [load_target("odometry")])
+    data = report_data([], [shipped("odometry")])
     page = to_html(data)
     assert '<h2 id="conditions" class="own-page">Conditions for the safety case</h2>' in page
     assert '<tr id="condition-odometry-A1" data-owner="' in page
@@ -173,7 +175,7 @@ def test_laws_of_one_name_with_other_parts_are_two() -> None:
 def test_the_headline_and_the_list_have_one_number() -> None:
     """Of machines that share a machine under other figures; also in the data."""
     names = ("balise", "supervised_odometry", "odometry")
-    data = report_data([], list(map(load_target, names)))
+    data = report_data([], list(map(shipped, names)))
     page = to_html(data)
     number = data["conditions"]["assumptions"]
     assert f"It rests on {number} assumptions;" in page
@@ -206,7 +208,7 @@ def test_what_is_true_by_definition_needs_no_owner() -> None:
     found = conditions([machine("one", law("A1", "x"), law("A2", "y", owner="nobody", source="[D] arithmetic"))])
     assert 1 == counts(found)["true_by_definition"]
     assert {"operator": 1, "nobody": 1} == {one["owner"]: one["laws"] for one in found["owners"]}
-    page = to_html(report_data([], [load_target("turn_off")]))
+    page = to_html(report_data([], [shipped("turn_off")]))
     assert "that somebody has to ensure, and" in page and "(owner: nobody); none without an owner or a source" in page
 
 

@@ -92,6 +92,7 @@ def found(page: Page) -> list[str]:
     ]
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_search_and_filter(page: Page, report: Path) -> None:
     """By words of a claim, by kind and by verdict; what does not hold comes first; nothing is said on the console."""
     page.open(report)
@@ -130,6 +131,7 @@ def test_a_result_leads_to_its_evidence(page: Page, report: Path) -> None:
     assert page.said() == []
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_enter_opens_the_first_hit(page: Page, report: Path) -> None:
     """From the search field itself, as it is typed: the first result is open and has the keyboard."""
     page.open(report)
@@ -150,6 +152,7 @@ _EARLIER_IS_LATER = """(() => {
 })()"""
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_a_search_that_was_overtaken_closes_nothing(page: Page, report: Path) -> None:
     """Each key searches, before the results have been read; those of the last one stay, and they are read once."""
     page.open(report)
@@ -213,6 +216,7 @@ def value(page: Page, name: str) -> list[str]:
         "?.cells ?? [], cell => cell.textContent)", name)][1:3]  # fmt: skip
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_values_before_and_after(page: Page, report: Path) -> None:
     """Labels, truth values and numbers; only what changed; names by a word."""
     opened(page, runs_of(report), f"{WRONG}&step=2")
@@ -225,6 +229,7 @@ def test_values_before_and_after(page: Page, report: Path) -> None:
     assert value(page, "released") == ["true", "false"]
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_nothing_is_before_the_first_step(page: Page, report: Path) -> None:
     """Inputs and outputs have a dash there, not the word for an absent value; the table fits into half of a laptop's screen."""
     page.size(1280, 800)
@@ -234,6 +239,7 @@ def test_nothing_is_before_the_first_step(page: Page, report: Path) -> None:
     assert page.js("document.querySelector('.values').scrollWidth <= document.querySelector('.values').clientWidth")
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_why_a_transition_is_refused(page: Page, report: Path) -> None:
     """The machine itself says which part of the guard is false, with the values that it reads."""
     opened(page, runs_of(report), f"{WRONG}&step=1")
@@ -251,6 +257,7 @@ def test_why_a_transition_is_refused(page: Page, report: Path) -> None:
     assert page.said() == []
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_watch_expressions(page: Page, report: Path) -> None:
     """Names and whole numbers, exactly; what makes no sense is said in its place; the link remembers them."""
     opened(page, runs_of(report), f"{WRONG}&step=2&watch=closing_for+%2B+2+*+%28speed+-+3%29+%3C+0+and+not+blocked")
@@ -267,6 +274,7 @@ def test_watch_expressions(page: Page, report: Path) -> None:
     assert page.said() == []
 
 
+@pytest.mark.thorough(ordinary=1)
 def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) -> None:
     """The machine goes on in the page as the interpreter does; the run is saved as a stream and as a test; no verdict speaks of it."""
     opened(page, runs_of(report), f"{WRONG}&step=1")

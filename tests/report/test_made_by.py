@@ -42,6 +42,7 @@ def test_without_git_the_report_says_so(monkeypatch: pytest.MonkeyPatch, tmp_pat
     assert commit().startswith("none: ")
 
 
+@pytest.mark.thorough
 def test_verify_and_replay_say_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

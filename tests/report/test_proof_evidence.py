@@ -74,6 +74,7 @@ def test_the_page_tells_what_a_claim_rests_on() -> None:
     )
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("end", "fields", "words", "colour"),
     [

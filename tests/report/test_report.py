@@ -361,6 +361,7 @@ def test_a_certificate_is_never_overwritten(tmp_path: Path) -> None:
         write_folder(tmp_path, [other, unlike], [target()])
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["clear", "items", "get", "values"])
 def test_a_claim_may_have_any_name(name: str) -> None:
     """Also that of a method of the page's data, which a template could take for an entry of it."""

@@ -153,6 +153,7 @@ def test_pairs_lead_to_a_hazard_too() -> None:
     assert "a wrong place is given" == cut_sets(top_event(whole), [*alone, *both]).top
 
 
+@pytest.mark.thorough
 def test_a_hazard_stands_beside_the_interval() -> None:
     """What is wrong of the interval stands first; harmless is only what does no harm to either."""
     narrow = replace(target(), hazard=Hazard("it is wide", ("never wider", "nothing")))

@@ -82,6 +82,7 @@ def worst_run(length: int, distance: int) -> int:
     return max(length, distance - length)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize(("length", "distance"), [(204_700, 500_000), (100_000, 550_000)])
 @pytest.mark.parametrize(
     ("name", "way"), [("vehicle_length_mm", "up"), ("vehicle_length_mm", "down"), ("marker_distance_mm", "up")]
@@ -215,6 +216,7 @@ PAGE = re.findall(
 )
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("command", "printed"), PAGE)
 def test_the_page_tells_what_the_command_prints(call: Call, tmp_path: Path, command: str, printed: str) -> None:
     assert len(PAGE) == 2

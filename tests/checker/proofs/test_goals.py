@@ -200,6 +200,7 @@ def sound(steps: list[Step], at: int, worlds: list[Meaning]) -> bool:
     return step.rule in ("ASSUME", "SCOPE") or all(holds(step, premises, world) for world in worlds)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("at", [0, 1, 2])
 def test_altered_proofs_are_found_out(at: int) -> None:
     """Of 300 changes those that make a step untrue are all found out, which most of them do."""

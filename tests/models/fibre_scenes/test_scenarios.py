@@ -75,7 +75,7 @@ def virtual(name: str) -> list[tuple[int, int, list[str]]]:
     return made
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", [one.name for one in AREA_SCENES])
 def test_no_section_is_free_with_a_train_in_it(name: str) -> None:
     """Between the counters, in every step, by the true ends: whatever goes wrong, and a lost part too."""
@@ -108,6 +108,7 @@ def test_the_picture_shows_what_the_machine_tells(name: str) -> None:
     assert states == said(name, "section_1.mode")
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", [one.name for one in AREA_SCENES])
 def test_what_is_given_out_holds_the_front(name: str) -> None:
     """In every step of every scenario in which a position is given out."""

@@ -60,7 +60,7 @@ def last_code(rows: list[Row]) -> int:
     data=st.data(),
 )
 @settings(
-    max_examples=15,
+    max_examples=settings.default.max_examples // 12,
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
 )

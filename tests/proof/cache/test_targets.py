@@ -109,9 +109,9 @@ def test_what_an_engine_found_that_was_edited_meanwhile_is_not_kept(
 def test_a_store_may_be_looked_in_only(tmp_path: Path) -> None:
     """What it has is found; nothing is put there."""
     store = Store(tmp_path)
-    first, _ = verified(["emitter"], store)
+    first, _ = verified(["delocalized"], store)
     before = list(store.entries())
-    loaded = load_target("emitter")
+    loaded = load_target("delocalized")
     again = verify_targets([loaded], PLAN, jobs=1, on_event=lambda _: None, look_in=store)
-    assert told(first["emitter"]) == told(again["emitter"])
+    assert told(first["delocalized"]) == told(again["delocalized"])
     assert [path for path, _ in before] == [path for path, _ in store.entries()]

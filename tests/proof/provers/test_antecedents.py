@@ -77,6 +77,7 @@ def test_what_never_occurs_is_vacuous(prop: Property, words: str) -> None:
     assert "never occurs (proved by" in finding.result.reason
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     "prop",
     [
@@ -130,7 +131,7 @@ def test_a_recording_shows_what_a_search_does_not() -> None:
 def test_a_shipped_witness_shows_a_case() -> None:
     """Its run is the evidence; a run that does not come so far shows nothing, nor does one of another system."""
     prop = always("deep", N.eq(60).implies(GATE.mode.ne(C)))
-    quick, gate_ = Limits(depth=5, seconds=0.3), lower(GATE)
+    quick, gate_ = Limits(depth=5, seconds=0.1), lower(GATE)
     far, near = Recording({}, [{"x": 4}] * 61), Recording({}, [{"x": 4}] * 59)
     (seen,) = search(gate_, cases(prop), quick, witnesses={"gate": [near, far]})
     assert isinstance(seen, Seen)

@@ -9,7 +9,7 @@ from safeloc.language.interpret import run
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.system import lower
 from safeloc.language.units import COUNT
-from safeloc.language.verdict import Proved, Unknown, Violated, word
+from safeloc.language.verdict import Proved, Unknown, Verdict, Violated, word
 from safeloc.language.world import World
 from safeloc.proof.provers import assumption
 from safeloc.proof.provers import obligations as module
@@ -27,6 +27,11 @@ GO = boolean("go")
 
 def _found(machine: Machine, limits: Limits = LIMITS) -> dict[str, Finding]:
     return {finding.id.split("/", 2)[2]: finding for finding in obligations(lower(machine), limits)}
+
+
+def _checked(check: str, machine: Machine) -> dict[str, Verdict]:
+    """What one check alone finds, in this process."""
+    return {one.name: one.verdict for one in CHECKS[check](lower(machine), LIMITS)}
 
 
 @pytest.mark.thorough(ordinary=1)
@@ -73,8 +78,8 @@ def test_a_ghost_may_leave_its_range_only_where_the_assumption_lets_it() -> None
     world = {"ghosts": {truth: 0}, "choices": [moved], "moves": {truth: truth + moved}}
     kept = declared(**parts, **world, clauses={"in range": (truth + moved >= 0) & (truth + moved <= 5)})
     left = declared(**parts, **world, clauses={"not below": truth + moved >= 0})
-    assert word(_found(kept)["ranges"].result) == "proved"
-    assert word(_found(left)["range of truth"].result) == "violated"
+    assert word(_checked("ranges", kept)["ranges"]) == "proved"
+    assert word(_checked("ranges", left)["range of truth"]) == "violated"
 
 
 def _growing(most: int) -> Machine:
@@ -182,7 +187,7 @@ def test_what_is_too_deep_is_unknown() -> None:
 
 def test_an_assumption_that_cannot_be_kept_is_violated() -> None:
     """Proofs under it would be empty, and the finding says so."""
-    verdict = _found(counter(assumption=TICK & (LEVEL < 3)))["assumption"].result
+    verdict = _checked("assumption", counter(assumption=TICK & (LEVEL < 3)))["assumption"]
     assert isinstance(verdict, Violated)
     assert verdict.reason == "no run satisfies the assumption: every proof under it would be empty"
 
@@ -238,8 +243,8 @@ def test_reading_an_absent_input_is_violated() -> None:
         rows = [Transition("take", ONE, TWO, guard, {seen: reading.value})]
         return Machine("reader", (ONE, TWO), [reading], {seen: ANY}, {}, rows)
 
-    assert word(_found(machine(reading.present & (reading.value > 3)))["absence"].result) == "proved"
-    violated = _found(machine(reading.value > 3))["absence"].result
+    assert word(_checked("absence", machine(reading.present & (reading.value > 3)))["absence"]) == "proved"
+    violated = _checked("absence", machine(reading.value > 3))["absence"]
     assert isinstance(violated, Violated)
     assert (
         "read although absent: reading by mode in a run of 1 steps, the last with reading.present = False"
@@ -258,12 +263,12 @@ def test_a_law_that_reads_an_absent_input_is_violated() -> None:
         )
 
     measures = reading.value.eq(speed)
-    assert word(_found(machine(reading.present.implies(measures)))["absence"].result) == "proved"
-    violated = _found(machine(measures))["absence"].result
+    assert word(_checked("absence", machine(reading.present.implies(measures)))["absence"]) == "proved"
+    violated = _checked("absence", machine(measures))["absence"]
     assert isinstance(violated, Violated)
     assert "read although absent: reading by the law 'it measures' in a run of 1 steps" in violated.reason
     assert violated.reason.endswith("A law says nothing of a silent sensor: reading.present.implies(...)")
-    moved = _found(machine(reading.present.implies(measures), reading.value))["absence"].result
+    moved = _checked("absence", machine(reading.present.implies(measures), reading.value))["absence"]
     assert isinstance(moved, Violated) and "reading by the move of speed" in moved.reason
 
 

@@ -30,9 +30,9 @@ PLAN = Plan(Limits(depth=6, seconds=20), examples=4, steps=10, seed=1)
 
 
 @pytest.fixture(scope="module")
-def emitter() -> Target:
+def delocalized() -> Target:
     """A small machine without its recordings."""
-    return replace(load_target("emitter"), streams=())
+    return replace(load_target("delocalized"), streams=())
 
 
 def ids(findings: list[Finding]) -> list[str]:
@@ -40,55 +40,56 @@ def ids(findings: list[Finding]) -> list[str]:
     return [one.id for one in findings]
 
 
-def test_all_properties_and_obligations_are_proved(emitter: Target) -> None:
+def test_all_properties_and_obligations_are_proved(delocalized: Target) -> None:
     """Without `only` every finding is reported during the work; the estimate of their number is not too high."""
     seen: list[Finding] = []
-    findings = prove_target(emitter, limits=PLAN.limits, jobs=1, on_finding=seen.append)
+    findings = prove_target(delocalized, limits=PLAN.limits, jobs=1, on_finding=seen.append)
     assert {"proved"} == {word(one.result) for one in findings}
     assert {"property", "obligation"} <= {one.kind for one in findings}
     assert sorted(ids(findings)) == sorted(ids(seen))
-    assert len(emitter.properties) < expected_of_proof(emitter, None) <= len(findings)
+    assert len(delocalized.properties) < expected_of_proof(delocalized, None) <= len(findings)
 
 
 @pytest.mark.thorough
-def test_side_by_side_as_one_after_the_other(emitter: Target) -> None:
+def test_side_by_side_as_one_after_the_other(delocalized: Target) -> None:
     """Properties and obligations in one queue have the results, in the order, that they have in two."""
     apart = [
-        *prove(emitter.system, emitter.properties, PLAN.limits),
-        *obligations(emitter.system, PLAN.limits, properties=emitter.properties),
+        *prove(delocalized.system, delocalized.properties, PLAN.limits),
+        *obligations(delocalized.system, PLAN.limits, properties=delocalized.properties),
     ]
-    together = prove_target(replace(emitter, witnesses=None), limits=PLAN.limits, jobs=2)
+    together = prove_target(replace(delocalized, witnesses=None), limits=PLAN.limits, jobs=2)
     assert [(one.id, word(one.result)) for one in apart] == [(one.id, word(one.result)) for one in together]
 
 
-def test_only_the_named_property_is_proved(emitter: Target) -> None:
+def test_only_the_named_property_is_proved(delocalized: Target) -> None:
     """No obligation is proved; an unknown name is refused with the names that exist."""
-    name = emitter.properties[0].name
-    findings = prove_target(emitter, only=[name], jobs=1)
+    name = delocalized.properties[0].name
+    findings = prove_target(delocalized, only=[name], jobs=1)
     assert "obligation" not in {one.kind for one in findings}
     assert [name] == [one.id.split("/")[-1] for one in findings if one.kind == "property"]
-    with pytest.raises(InputError, match=r"^emitter has no property 'none'; it has "):
-        chosen_properties(emitter, ["none"])
+    with pytest.raises(InputError, match=r"^delocalized has no property 'none'; it has "):
+        chosen_properties(delocalized, ["none"])
 
 
-def test_a_store_keeps_what_was_proved(emitter: Target, tmp_path: Path) -> None:
+def test_a_store_keeps_what_was_proved(delocalized: Target, tmp_path: Path) -> None:
     """The second call returns the cached findings; `fresh` ignores them."""
-    only, store = [emitter.properties[0].name], Store(tmp_path)
-    first = prove_target(emitter, only=only, jobs=1, store=store)
-    again = prove_target(emitter, only=only, jobs=1, store=store)
-    fresh = prove_target(emitter, only=only, jobs=1, store=store, fresh=True)
+    only, store = [delocalized.properties[0].name], Store(tmp_path)
+    first = prove_target(delocalized, only=only, jobs=1, store=store)
+    again = prove_target(delocalized, only=only, jobs=1, store=store)
+    fresh = prove_target(delocalized, only=only, jobs=1, store=store, fresh=True)
     assert ids(first) == ids(again) == ids(fresh)
     assert [False, True, False] == [all(one.kept_since for one in found) for found in (first, again, fresh)]
 
 
-def test_property_tests_alone(emitter: Target) -> None:
+def test_property_tests_alone(delocalized: Target) -> None:
     """Tests prove nothing: a property that no run violates is held."""
-    findings = run_property_tests(emitter, PLAN, jobs=1)
+    findings = run_property_tests(delocalized, PLAN, jobs=1)
     assert {"test"} == {one.kind for one in findings}
     assert {"held"} == {word(one.result) for one in findings}
-    assert expected_of_tests(emitter) >= len(findings)
+    assert expected_of_tests(delocalized) >= len(findings)
 
 
-def test_everything_of_a_target(emitter: Target) -> None:
+@pytest.mark.thorough
+def test_everything_of_a_target(delocalized: Target) -> None:
     """One call makes proofs, obligations and tests."""
-    assert {"property", "obligation", "test"} <= {one.kind for one in verify_target(emitter, PLAN, jobs=1)}
+    assert {"property", "obligation", "test"} <= {one.kind for one in verify_target(delocalized, PLAN, jobs=1)}

@@ -33,18 +33,28 @@ def told(findings: list[Finding]) -> list[dict[str, object]]:
     return [{**result_data(one), "seconds": 0} for one in findings]
 
 
+def alone(one: Target) -> tuple[Target, list[Finding]]:
+    """A target, verified in this process."""
+    return one, Work(one, 1, lambda *_: None, lambda _: None).verified(PLAN)
+
+
 @pytest.fixture(scope="module")
-def alone() -> tuple[Target, list[Finding]]:
-    """One target, verified in this process."""
-    emitter = target("emitter")
-    return emitter, Work(emitter, 1, lambda *_: None, lambda _: None).verified(PLAN)
+def emitter() -> tuple[Target, list[Finding]]:
+    """A machine with several kinds of findings."""
+    return alone(target("emitter"))
+
+
+@pytest.fixture(scope="module")
+def smallest() -> tuple[Target, list[Finding]]:
+    """The machine that takes least time."""
+    return alone(target("delocalized"))
 
 
 @pytest.mark.thorough
-def test_findings_are_the_same_after_a_journey_as_data(alone: tuple[Target, list[Finding]]) -> None:
+def test_findings_are_the_same_after_a_journey_as_data(emitter: tuple[Target, list[Finding]]) -> None:
     """Findings sent through JSON make the same report, runs and replays included; shared objects stay shared."""
-    emitter, findings = alone
-    again = unpack_findings(json.loads(json.dumps(pack_findings(findings, emitter.system))), emitter.system)
+    machine, findings = emitter
+    again = unpack_findings(json.loads(json.dumps(pack_findings(findings, machine.system))), machine.system)
     assert told(findings) == told(again)
     runs = {id(one.replayed) for one in again if one.replayed is not None}
     assert len(runs) == len({id(one.replayed) for one in findings if one.replayed is not None}) == 1
@@ -54,14 +64,16 @@ def test_findings_are_the_same_after_a_journey_as_data(alone: tuple[Target, list
             assert one.replayed.trace.steps == other.replayed.trace.steps
 
 
-def test_side_by_side_is_as_one_by_one(alone: tuple[Target, list[Finding]]) -> None:
+def test_side_by_side_is_as_one_by_one(smallest: tuple[Target, list[Finding]]) -> None:
     """Two targets in two slots: every finding comes in order, is announced once, and before its target is over."""
-    emitter, findings = alone
+    delocalized, findings = smallest
     events: list[Event] = []
-    found = verify_targets([target("delocalized"), emitter], PLAN, jobs=2, on_event=events.append)
-    assert ["delocalized", "emitter"] == list(found)
-    assert [row["id"] for row in told(findings)] == [one.id for one in found["emitter"]]
-    assert [row["verdict"] for row in told(findings)] == [word(one.result) for one in found["emitter"]]
+    found = verify_targets(
+        [replace(target("emitter"), properties=()), delocalized], PLAN, jobs=2, on_event=events.append
+    )
+    assert ["emitter", "delocalized"] == list(found)
+    assert [row["id"] for row in told(findings)] == [one.id for one in found["delocalized"]]
+    assert [row["verdict"] for row in told(findings)] == [word(one.result) for one in found["delocalized"]]
     ids = [event.id for event in events if isinstance(event, Found)]
     assert sorted(one.id for one in in_order(found)) == sorted(ids)
     for name in found:
@@ -127,7 +139,7 @@ def test_that_nothing_was_asked_is_an_event() -> None:
     assert ["not asked"] == [one.verdict for one in events if isinstance(one, Found) and "/property/" in one.id]
 
 
-def test_a_run_of_another_system_is_not_packed(alone: tuple[Target, list[Finding]]) -> None:
+def test_a_run_of_another_system_is_not_packed(smallest: tuple[Target, list[Finding]]) -> None:
     """Packing refuses it: the receiver could not interpret its inputs."""
     with pytest.raises(ValueError, match="with other inputs cannot be packed"):
-        pack_findings(alone[1], load_target("stop_point").system)
+        pack_findings(smallest[1], load_target("stop_point").system)

@@ -152,6 +152,7 @@ def test_reflectors_are_added_where_they_cost_less() -> None:
         assert not holds(found.options.with_only(found.chosen - {number}), layout)
 
 
+@pytest.mark.thorough
 def test_reflectors_that_cost_more_are_not_added() -> None:
     """Where one costs as much as a group, groups do; without models of reflectors none is an option."""
     line, dear = straight(1_300_000), Costs(add_reflector_eur=10_000)

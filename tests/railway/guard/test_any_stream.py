@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from safeloc.models.guard.variables import JUDGED
@@ -42,6 +42,7 @@ def after_a_row(others: list[Delivery]) -> list[Judgement]:
     return [made.judge(one) for one in others]
 
 
+@settings(max_examples=settings.default.max_examples // 2)
 @given(st.lists(deliveries(), max_size=12))
 def test_it_goes_on_whatever_comes(others: list[Delivery]) -> None:
     """No delivery stops it, each has a known reason and mode, and only passed ones have a position."""

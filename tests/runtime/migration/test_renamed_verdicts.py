@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.catalogue import ENTRIES, load_target
+from safeloc.catalogue import ENTRIES
 from safeloc.language.renamed import name_now, renamed
 from tests.runtime.migration.migrating import migrated
+from tests.shipped import shipped
 
 
 @pytest.mark.parametrize(
@@ -36,7 +37,7 @@ from tests.runtime.migration.migrating import migrated
 )
 def test_state_has_new_names(tmp_path: Path, machine: str, old: str, new: str) -> None:
     """A machine of today has the new name, and a stream of before is converted to it."""
-    known = {var.name for var in load_target(machine).system.state}
+    known = {var.name for var in shipped(machine).system.state}
     assert (new in known, old in known) == (True, False)
     assert f"; {old!r} is now {new!r}" == renamed([old], known)
     header = {"schema": "safeloc-stream/1", "first": {old: 0}}
@@ -53,6 +54,6 @@ def test_outputs_have_new_names_where_a_machine_has_them() -> None:
 def test_no_machine_of_today_has_an_old_name() -> None:
     """Nothing that a machine declares would be taken for an old name."""
     for name in ENTRIES:
-        system = load_target(name).system
+        system = shipped(name).system
         names = [*(var.name for var in (*system.state, *system.inputs)), *system.outputs]
         assert [one for one in names if name_now(one) != one] == [], name

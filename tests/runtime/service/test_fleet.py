@@ -650,7 +650,7 @@ FIELDS = st.fixed_dictionaries(
     st.lists(FIELDS.map(lambda fields: json.dumps(fields, default=str)) | st.binary(max_size=40), max_size=12),
     st.booleans(),
 )
-@settings(max_examples=300)
+@settings(max_examples=2 * settings.default.max_examples)
 def test_no_line_breaks_the_process(said: list[str | bytes], by_steps: bool) -> None:
     """Whatever the bytes: an answer or none, never an exception, and a drive that follows is heard."""
     told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=by_steps)))

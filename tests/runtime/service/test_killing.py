@@ -16,11 +16,34 @@ import pytest
 
 from safeloc.runtime.embedding import Controller
 from safeloc.runtime.service.clock_lag import AT_ONCE_CYCLES
+from tests.cli.calling import Call, caller
 from tests.runtime.embedding.driving import distances, drive, trusting
-from tests.runtime.service.processes import Data, lines, numbered, ran, read, reports, running, wait_for
+from tests.runtime.service.processes import (
+    SAFELOC,
+    Data,
+    command,
+    lines,
+    numbered,
+    ran,
+    read,
+    reports,
+    running,
+    wait_for,
+)
 from tests.shipped_recordings import shipped
 
 CYCLES = 400
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+    """Runs `safeloc ARGUMENTS` in this process."""
+    return caller(monkeypatch, capsys)
+
+
+def in_a_line(text: str) -> str:
+    """A message without its frame and ends of lines."""
+    return " ".join(text.replace("│", " ").split())
 
 
 @pytest.fixture(scope="module")
@@ -178,6 +201,7 @@ def interval(report: Data) -> Any:
     return report["interval_mm"]
 
 
+@pytest.mark.thorough
 def test_lines_that_go_on_by_number_are_not_doubted(tmp_path: Path) -> None:
     """A process that was stopped in order and misses no line goes on as if it had not been stopped."""
     arguments = ("--from", "tcp:0", "--snapshot", str(tmp_path / "snapshot.json"))
@@ -235,24 +259,24 @@ def test_a_snapshot_of_something_else_is_refused(tmp_path: Path) -> None:
     assert ran(tmp_path, *arguments, "--fresh", said="".join(lines(5)), config=other).returncode == 0
 
 
-def test_a_damaged_snapshot_is_refused(tmp_path: Path) -> None:
+def test_a_damaged_snapshot_is_refused(tmp_path: Path, call: Call) -> None:
     """What is not whole was not written by this process."""
     snapshot = tmp_path / "snapshot.json"
     ran(tmp_path, "--snapshot", str(snapshot), said="".join(lines(5)))
     snapshot.write_bytes(snapshot.read_bytes()[:-20])
-    refused = ran(tmp_path, "--snapshot", str(snapshot), said="")
-    assert refused.returncode == 2
-    assert b"the snapshot is damaged" in refused.stderr
+    refused = call(*command(tmp_path, "--snapshot", str(snapshot))[len(SAFELOC) :])
+    assert refused.code == 2
+    assert "the snapshot is damaged" in in_a_line(refused.err)
 
 
-def test_two_processes_do_not_share_a_snapshot(tmp_path: Path) -> None:
+def test_two_processes_do_not_share_a_snapshot(tmp_path: Path, call: Call) -> None:
     """The second one is told so."""
     arguments = ("--from", "tcp:0", "--snapshot", str(tmp_path / "snapshot.json"))
     with running(tmp_path, *arguments) as run:
         run.port()
-        second = ran(tmp_path, *arguments)
-        assert second.returncode == 2
-        assert b"another process saves its snapshots there" in second.stderr
+        second = call(*command(tmp_path, *arguments)[len(SAFELOC) :])
+        assert second.code == 2
+        assert "another process saves its snapshots there" in in_a_line(second.err)
 
 
 @pytest.mark.thorough

@@ -275,6 +275,7 @@ def container_environment() -> dict[str, str]:
     return {**os.environ, **dict(one.split("=", 1) for one in instructions()["ENV"])}
 
 
+@pytest.mark.thorough
 def test_the_containers_health(tmp_path: Path, container: list[str]) -> None:
     """Well while it runs; not before, not ten seconds after it was killed, and not after an orderly end."""
     alive = tmp_path / "run" / "alive"

@@ -69,6 +69,7 @@ def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path) -> None:
     assert {one["truth"] for one in found} == {"contained", "INVALID"}
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("metres", "code"), [(252, 0), (900, 1)])
 def test_the_exit_code_is_that_of_the_truth(tmp_path: Path, metres: int, code: int) -> None:
     """1 where a report misses the truth beside it, 0 where none does."""
@@ -115,6 +116,7 @@ def test_wrong_usage(
     assert told in " ".join(done.err.replace("│", " ").split())
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_told_to_stop(tmp_path: Path, number: int) -> None:
     """It ends in order: exit code 0, what was ready is handed over, the open cycle is kept and not reported."""

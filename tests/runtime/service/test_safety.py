@@ -191,7 +191,7 @@ LOSSLESS = (cut, joined, garbled, renumbered, foreign, killed, left, ahead)
 
 
 @given(st.sampled_from(["numbered", "cycles", "records"]), st.integers(0, 2**32), st.integers(0, 30))
-@settings(max_examples=25)
+@settings(max_examples=settings.default.max_examples // 4)
 def test_a_place_holds_the_truth(way: str, seed: int, faults: int) -> None:
     """Whatever happens to the lines, of what shows by numbers or by itself."""
     chance, lines = random.Random(seed), said(way)

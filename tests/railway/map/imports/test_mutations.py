@@ -85,6 +85,7 @@ def test_railml_without_any_one_line_is_imported_or_refused(railml: Read, tmp_pa
         _survives(lambda number=number: railml("".join(lines[:number] + lines[number + 1 :])), tmp_path)
 
 
+@pytest.mark.thorough(ordinary=8)
 @pytest.mark.parametrize(("form", "document"), [("geojson", SWITCH), ("ttobench", TRACK)])
 @pytest.mark.parametrize("value", [None, True, -1, 1e300, 10**400, "?", "", [], {}, [[]], [None], [1, 2, 3]])
 def test_damaged_json_is_imported_or_refused(
