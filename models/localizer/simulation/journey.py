@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group
+from safeloc.models.balise.simulation.passages import ANTENNA_FIGURES
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.junction import Junction
-from safeloc.models.odometry.many import SHARED_WHEEL
+from safeloc.models.odometry.many import READER_FIGURES, SHARED_WHEEL
 from safeloc.models.reflector import simulate as reflector_streams
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.many_runs import DrawnFigure
@@ -55,8 +56,10 @@ PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
 
 
 WHEEL = SHARED_WHEEL
-PHYSICS: Mapping[str, DrawnFigure] = {**conditions.figures_of([WHEEL]), **multipath.FIGURES}
-"""Figures of what is simulated from its physics: of the rail, of both wheels of a vehicle, of the map and of reflected signals."""
+PHYSICS: Mapping[str, DrawnFigure] = {
+    **conditions.figures_of([WHEEL]), **multipath.FIGURES, **READER_FIGURES, **ANTENNA_FIGURES
+}  # fmt: skip
+"""Figures of what is simulated from its physics: of the rail, of both wheels of a vehicle, of the map, of reflected signals and of readers."""
 
 
 @dataclass(frozen=True)

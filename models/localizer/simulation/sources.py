@@ -13,7 +13,7 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.models import odometry
 from safeloc.models.balise.simulation.many import Line
 from safeloc.models.balise.simulation.many import simulate_many as simulate_balises
-from safeloc.models.balise.simulation.passages import Antenna
+from safeloc.models.balise.simulation.passages import Antenna, antenna_timing
 from safeloc.models.localizer.simulation.columns import Columns, arrays_of
 from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
 from safeloc.models.localizer.simulation.journey import WHEEL, Vehicles
@@ -98,8 +98,10 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
 def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles = fleet.vehicles
     antennas = [
-        Antenna(rng, 0, 0, 0.5, own, wrong)
-        for rng, own, wrong in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
+        Antenna(rng, 0, 0, 0.5, own, wrong, antenna_timing(vehicles.figures, vehicle, vehicles.seeds[vehicle]))
+        for vehicle, (rng, own, wrong) in enumerate(
+            zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
+        )
     ]
     motions = [vehicles.motions.of(vehicle) for vehicle in range(len(antennas))]
     line = Line(vehicles.first.passed, vehicles.routes(), 5_000, fleet.libraries)
