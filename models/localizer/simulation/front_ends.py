@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.localizer.simulation.columns import Column, Columns
 from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM, Stretch, Vehicles, speeds_um_s
+from safeloc.models.localizer.simulation.off_the_map import sections_off_mm
 from safeloc.models.localizer.simulation.reflected import Receivers
 from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
 from safeloc.models.motion.simulate import Measured
@@ -142,6 +143,7 @@ def _pattern(
     """Return the features that the fibre determines in a block, every fifth cycle; nothing between them."""
     located = inside & (np.arange(len(front))[:, None] % BLOCK_CYCLES == 0)
     off_mm, faster_mm_s, longer_mm = _drawn(vehicles, located)
+    off_mm = off_mm - sections_off_mm(vehicles, front)
     return {
         "associated": Column(located),
         "fibre_located": Column(located),
