@@ -18,6 +18,7 @@ from safeloc.models.localizer.simulation.reflected import Receivers
 from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
 from safeloc.models.motion.simulate import Measured
 from safeloc.models.verification.variables import FROM
+from safeloc.simulation.physics.fibre_coupling import coupled
 from safeloc.simulation.physics.multipath import DEVIATION, reflections
 
 _SENDERS = tuple(one.label for one in FROM)
@@ -144,6 +145,8 @@ def _pattern(
     located = inside & (np.arange(len(front))[:, None] % BLOCK_CYCLES == 0)
     off_mm, faster_mm_s, longer_mm = _drawn(vehicles, located)
     off_mm = off_mm - sections_off_mm(vehicles, front)
+    axles, behind_mm, shorter_mm = _coupled(vehicles, front, located)
+    located = located & (axles > 0)
     return {
         "associated": Column(located),
         "fibre_located": Column(located),
@@ -152,11 +155,30 @@ def _pattern(
         "fibre_error": Column(inside & vehicles.acting("fibre error")),
         "chain_tested": Column(inside),
         "chain_failed": Column(False),
-        "fibre_position_mm": Column(front + off_mm, located),
+        "fibre_position_mm": Column(front + off_mm - behind_mm, located),
         "fibre_speed_mm_s": Column(speed + faster_mm_s, located),
-        "fibre_axles": Column(vehicles.first.axles, located),
-        "fibre_length_mm": Column(vehicles.first.length_mm + longer_mm, located),
+        "fibre_axles": Column(axles, located),
+        "fibre_length_mm": Column(np.maximum(vehicles.first.length_mm + longer_mm - shorter_mm, 0), located),
     }
+
+
+def _coupled(
+    vehicles: Vehicles, front: NDArray[np.int64], located: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return what the coupling lets the fibre find in these cycles: axles, how far behind the front it puts the front, and how much too short
+    the train: arrays [cycle, vehicle].
+    """
+    journey, shape = vehicles.first, vehicles.shape
+    axles, behind, shorter = np.full(shape, journey.axles), np.zeros(shape, np.int64), np.zeros(shape, np.int64)
+    if journey.fibre is None:
+        return axles, behind, shorter
+    fibres = coupled(vehicles.figures, vehicles.seeds, journey.fibre.begin_mm, journey.fibre.end_mm)
+    for vehicle, fibre in fibres.items():
+        cycles, rng = np.flatnonzero(located[:, vehicle]), vehicles.seeds[vehicle].rng("fibre fading")
+        found = fibre.received(front[cycles, vehicle], journey.length_mm, journey.axles, rng)
+        axles[cycles, vehicle], behind[cycles, vehicle] = found.axles, found.first_mm
+        shorter[cycles, vehicle] = journey.length_mm - (found.last_mm - found.first_mm)
+    return axles, behind, shorter
 
 
 def _drawn(vehicles: Vehicles, located: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -19,7 +19,7 @@ from safeloc.models.reflector import simulate as reflector_streams
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.motion import Leg, Motion, Motions, VehicleConfig, move_many
-from safeloc.simulation.physics import conditions, multipath
+from safeloc.simulation.physics import conditions, fibre_coupling, multipath
 from safeloc.simulation.physics.conditions import Conditions
 from safeloc.simulation.physics.map_errors import REFLECTORS, SECTIONS, MapError, Survey, figures_of_survey
 from safeloc.simulation.vehicle_seed import VehicleSeed
@@ -64,7 +64,7 @@ SPACING = {
 }
 PHYSICS: Mapping[str, DrawnFigure] = {
     **conditions.figures_of([WHEEL]), **multipath.FIGURES, **READER_FIGURES, **ANTENNA_FIGURES,
-    **figures_of_survey(REFLECTORS), **figures_of_survey(SECTIONS), **SPACING,
+    **figures_of_survey(REFLECTORS), **figures_of_survey(SECTIONS), **SPACING, **fibre_coupling.FIGURES,
 }  # fmt: skip
 """Figures of what is simulated from its physics: of rail, of both wheels of a vehicle, of maps, reflected signals, readers and fibre."""
 
