@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.localizer.simulation.columns import Column, Columns
 from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM, Stretch, Vehicles, speeds_um_s
 from safeloc.models.localizer.simulation.off_the_map import sections_off_mm
@@ -67,11 +67,13 @@ def satellite(vehicles: Vehicles) -> Columns:
     spoofed = truth + np.cumsum(SPOOFED_MM * vehicles.acting("spoofing"), axis=0)
     speed = speeds_um_s(vehicles.motions)[1:]
     columns = signals(config, sky, drawn) | solution(config, sky, drawn, spoofed, speed)
-    columns |= _reflected(vehicles, sky, columns, spoofed)
+    columns |= _reflected(vehicles, sky, columns, spoofed, speed)
     return columns | {"position.next_speed_um_s": Column(speed)}
 
 
-def _reflected(vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray[np.int64]) -> Columns:
+def _reflected(
+    vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray[np.int64], speed_um_s: NDArray[np.int64]
+) -> Columns:
     """Return the columns that reflections change, for the vehicles whose signals are reflected."""
     config, which = vehicles.config.satellite.selection, vehicles.figures[DEVIATION] > 0
     satellites = min(config.channels, int(sky.seen.max(initial=0)))
@@ -79,7 +81,9 @@ def _reflected(vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray
         return {}
     found = reflections(vehicles.figures, vehicles.seeds, satellites, vehicles.shape[0])
     ready = sky.received >= config.warm_up_cycles
-    return Receivers(config, columns, which, ready, found).reflected(place_mm)
+    fastest_um_s = vehicles.config.satellite.max_speed_mm_s * UM_PER_MM
+    receivers = Receivers(config, columns, which, ready, found, vehicles.config.motion.period_ms, fastest_um_s)
+    return receivers.reflected(place_mm, speed_um_s)
 
 
 def _within(stretches: Sequence[Stretch], places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
