@@ -30,7 +30,9 @@ def late_marker(
     length_nm = config.vehicle_length_mm * NM_PER_MM if at_rear else 0
     truly_nm = length_nm - round(mounting_mm * NM_PER_MM) if at_rear else 0
     slack_nm = config.vehicle_length_tolerance_mm * NM_PER_MM if at_rear else 0
-    truly_nm = min(max(truly_nm, 0), length_nm + slack_nm)  # the world knows no longer vehicle: then the reader was not over its marker
+    truly_nm = min(
+        max(truly_nm, 0), length_nm + slack_nm
+    )  # the world knows no longer vehicle: then the reader was not over its marker
     spot_nm, stray = reading.spot_nm, abs(place_nm - reading.spot_nm) > far_away_mm(config) * NM_PER_MM
     if not stray:
         least, most = off_nm(config, reading.since_mm, ran_nm)

@@ -53,7 +53,13 @@ def uniform(low: float, high: float, unit: str) -> str:
 def cycles(one: Outcome) -> list[int]:
     """Vehicle-cycles: law kept and contained, kept and wrong; broken and contained, silent, wrong."""
     wrong, broken = one.told & (one.margin_nm < 0), one.broken
-    sorts = (~broken & one.told & ~wrong, ~broken & wrong, broken & one.told & ~wrong, broken & ~one.told, broken & wrong)
+    sorts = (
+        ~broken & one.told & ~wrong,
+        ~broken & wrong,
+        broken & one.told & ~wrong,
+        broken & ~one.told,
+        broken & wrong,
+    )
     return [int(flags.sum()) for flags in sorts]
 
 
@@ -88,7 +94,10 @@ def test_a_rear_reader_far_from_its_place_breaks_the_law_of_the_length() -> None
     """Where no place of the marker explains the readings: ahead of its place the vehicle is too short. It is never longer than its data
     allow, so behind its place the reader was not over its marker.
     """
-    for mounting, clause in ((9_000, "the readers are as far apart as configured"), (-9_000, "rear reader stood over its marker")):
+    for mounting, clause in (
+        (9_000, "the readers are as far apart as configured"),
+        (-9_000, "rear reader stood over its marker"),
+    ):
         _, found, broken = runs("odometry", 6, rear_mounting_mm=fixed(mounting, "mm"))
         assert [clause] == broken
         assert 0 == cycles(found)[1]
@@ -109,7 +118,11 @@ def test_a_reader_without_time_misses_markers() -> None:
     """Five telegrams of which half fail, in 0.3 m of contact: fast vehicles read few markers."""
     plain, _, _ = runs("odometry", 10)
     failing, _, broken = runs(
-        "odometry", 10, reader_telegrams=fixed(5, "telegrams"), reader_failed=fixed(0.5, "share"), reader_contact_mm=fixed(300, "mm")
+        "odometry",
+        10,
+        reader_telegrams=fixed(5, "telegrams"),
+        reader_failed=fixed(0.5, "share"),
+        reader_contact_mm=fixed(300, "mm"),
     )
     read = [int(one.inputs["front_marker.present"].sum()) for one in (plain, failing)]
     assert 0 < read[1] < read[0] / 2

@@ -29,7 +29,9 @@ def kept(reading: Reading, spot_nm: int, length_nm: int) -> bool:
 
 
 @given(st.integers(0, 1), st.integers(-3, 3), st.integers(0, 3), st.integers(-240, 40), st.integers(-4, 4))
-def test_a_reading_keeps_its_laws_where_some_choice_does(end: int, beside: int, accuracy: int, late: int, mounting: int) -> None:
+def test_a_reading_keeps_its_laws_where_some_choice_does(
+    end: int, beside: int, accuracy: int, late: int, mounting: int
+) -> None:
     """As trying every whole mm finds it; the run in the latency may be 240 mm."""
     length_mm = 100_000 if end else 0
     spot_mm, since_mm = 49_000 - length_mm, 1_000 + late
@@ -58,7 +60,9 @@ def test_the_run_in_the_latency_is_allowed_and_no_more() -> None:
 def test_a_marker_far_off_stays_where_it_is() -> None:
     """A misplaced reading is stray, whatever the latency."""
     reading = Reading(3, 0, 5, 900_000, 1_000, 1_000, 49_000 * MM)
-    assert {"front_marker_spot_nm": 49_000 * MM, "front_marker_stray": True} == late_marker(CONFIG, reading, NOW_NM, RAN_NM, 0)
+    assert {"front_marker_spot_nm": 49_000 * MM, "front_marker_stray": True} == late_marker(
+        CONFIG, reading, NOW_NM, RAN_NM, 0
+    )
 
 
 def group(late_mm: int, *, counted: bool, accuracy_mm: int = 0) -> tuple[dict[str, int], int]:

@@ -12,12 +12,13 @@ import pytest
 from safeloc.campaign.judged import Judge, Outcome, judge_of
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.front_ends import satellite
-from safeloc.models.localizer.simulation.journey import Stretch, Vehicles, speeds_um_s
+from safeloc.models.localizer.simulation.journey import Stretch, Vehicles
 from safeloc.models.localizer.simulation.journeys import NOMINAL
 from safeloc.models.localizer.simulation.reflected import covariance
-from safeloc.models.localizer.simulation.simulate import FIRST_SPEED, first_but_speed, with_truth
+from safeloc.models.localizer.simulation.simulate import first_but_speed, with_truth
 from safeloc.models.localizer.simulation.sources import Fleet
 from safeloc.models.localizer.target import target
+from safeloc.models.reflector.simulate import Balise, Reflector, Route
 from safeloc.simulation.many_runs import ManyRuns, packed
 from safeloc.simulation.motion import Leg
 from safeloc.simulation.vehicle_seed import VehicleSeed
@@ -25,13 +26,20 @@ from safeloc.target import Target
 
 CONFIG = LocalizerConfig(sources=("reflector", "fibre"))
 JOURNEY = replace(
-    NOMINAL["metro"], legs=[Leg(0, 2), Leg(15_000, 46)], fibre=Stretch(100_000, 600_000), axles=8, length_mm=40_000
-)
+    NOMINAL["metro"], legs=[Leg(0, 1), Leg(15_000, 27)], fibre=Stretch(40_000, 240_000), axles=8, length_mm=120_000,
+    reflectors=Route((Balise(1, 30_000),), (Reflector(90_000, "A", 40_000), Reflector(190_000, "B", 60_000))),
+)  # fmt: skip
 PLAIN: Mapping[str, float] = {}
 TOGETHER = {"map_offset_mm": 700, "reflector_map_common": 1}
 APART = {"reflector_map_own_mm": 3_000}
 SECTIONS = {"section_map_own_mm": 12_000}
-LOOSE = {"fibre_level_db": 4, "fibre_loose_db": 12, "fibre_loose_share": 0.3, "fibre_coupling_db": 3}
+LOOSE = {
+    "fibre_level_db": 1,
+    "fibre_loose_db": 12,
+    "fibre_loose_share": 0.3,
+    "fibre_coupling_db": 4,
+    "fibre_coupling_mm": 20_000,
+}
 SURVEY = "reflector: a reflector stands where the map has it"
 PLACE = "verification: a located interval holds the front"
 FEATURES = {

@@ -270,7 +270,6 @@ class Reading:
             ghosts["reading_wander_nm"] = wander
         return Telegram(_with_fault(read, passage.fault), ghosts)
 
-
     def _read_late(self, passage: Passage, stamped_nm: int, cycle: int) -> Telegram:
         """Return the telegram as the reader stamps it, and ghosts that keep its laws if any do."""
         now_nm, half = int(self._motion.position_nm[cycle]), self._config.odometer.wander_nm
@@ -288,7 +287,9 @@ class Reading:
         )  # fmt: skip
         near_nm = passage.accuracy_mm * NM_PER_MM
         place_nm = passage.group.place_mm * NM_PER_MM
-        if abs(passage.spot_nm - place_nm) > _DISPLACED_MM * NM_PER_MM:  # far off, and wherever it is chosen near there too
+        if (
+            abs(passage.spot_nm - place_nm) > _DISPLACED_MM * NM_PER_MM
+        ):  # far off, and wherever it is chosen near there too
             place_nm, near_nm = passage.spot_nm, _DISPLACED_MM * NM_PER_MM // 2
         ghosts = late.ghosts(now_nm - passage.front_nm, passage.spot_nm, place_nm, near_nm)
         return Telegram(_with_fault(read, passage.fault), ghosts)

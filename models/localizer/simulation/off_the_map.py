@@ -1,4 +1,4 @@
-"""What is off its place on the map: reflectors, balises where the radar's machine reads them, and sections of a fibre."""
+"""Things that are off their places on the map: reflectors, balises where the radar's machine reads them, and sections of a fibre."""
 
 from __future__ import annotations
 

@@ -153,7 +153,9 @@ class Receivers:
                 "error_mm": errors[at], "range_off_mm": errors[at] - clock,
                 "speed_error_mm_s": rates[at], "speed_off_mm_s": rates[at] - clock_rate,
             }  # fmt: skip
-            columns |= {f"{name}_{what}": self._where(np.where(one, own, 0), f"{name}_{what}") for what, own in told.items()}
+            columns |= {
+                f"{name}_{what}": self._where(np.where(one, own, 0), f"{name}_{what}") for what, own in told.items()
+            }
             columns |= {f"{name}_{what}": self._where(own[at], f"{name}_{what}") for what, own in covariances.items()}
             columns[f"position.used_{number}"] = self._where(used, f"position.used_{number}")
         return columns | self._solution(solution, place_mm, speed_um_s)

@@ -27,7 +27,7 @@ _NOTHING = [one.label for one in MODEL].index(NOWHERE)
 
 @dataclass(frozen=True, eq=False)
 class Misplaced:
-    """How far beyond its place on the map each thing is, mm, by that place: arrays [vehicle].
+    """Distances of things beyond their places on the map, mm, by those places: arrays [vehicle].
 
     reflectors  that stand there
     balises     where they are read: their error of the map, and what the reader adds

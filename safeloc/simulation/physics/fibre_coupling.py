@@ -38,7 +38,7 @@ _PIECE_MM = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Received:
-    """What of a train is received in blocks, arrays [block]: axles, and how far the first and the last are behind the front; 0 without any."""
+    """The part of a train that is received in blocks, arrays [block]: axles, and how far the first and the last are behind the front; 0 without any."""
 
     axles: NDArray[np.int64]
     first_mm: NDArray[np.int64]
@@ -53,9 +53,7 @@ class Coupled:
     begin_mm: int
     fading_db: float
 
-    def received(
-        self, front_mm: NDArray[np.int64], length_mm: int, axles: int, rng: np.random.Generator
-    ) -> Received:
+    def received(self, front_mm: NDArray[np.int64], length_mm: int, axles: int, rng: np.random.Generator) -> Received:
         """Return what is received of a train in blocks in which its front is at these places; its axles are spaced evenly."""
         behind = np.rint(np.linspace(0, length_mm, axles)).astype(np.int64)
         piece = (front_mm[:, None] - behind - self.begin_mm) // _PIECE_MM

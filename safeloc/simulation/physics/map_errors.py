@@ -93,7 +93,9 @@ class Survey:
         found, places = np.zeros((len(places_mm), len(self.seeds))), np.array(places_mm, dtype=np.float64)
         for vehicle in np.flatnonzero(self.errs).tolist():
             seed, own = self.seeds[vehicle], float(self._figure("own_mm")[vehicle])
-            ends, walk = _walk(seed, f"map {self.things}", float(self._figure("walk_mm")[vehicle]), max(places_mm, default=0))
+            ends, walk = _walk(
+                seed, f"map {self.things}", float(self._figure("walk_mm")[vehicle]), max(places_mm, default=0)
+            )
             apart = seed.rng(f"map own {self.things}").uniform(-own, own, len(places_mm))
             common = float(self._figure("common")[vehicle]) * self.maps[vehicle].at(places)
             found[:, vehicle] = common + np.interp(places, ends, walk) + apart

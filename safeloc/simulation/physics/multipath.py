@@ -88,9 +88,7 @@ def reflections(
     return Reflections(azimuth, found, change * figures[RATE], np.rint(figures[WINDOW]).astype(np.int64))
 
 
-def _processes(
-    seeds: Sequence[VehicleSeed], name: str, number: int, cycles: int, keep: Floats, hold: Floats
-) -> Floats:
+def _processes(seeds: Sequence[VehicleSeed], name: str, number: int, cycles: int, keep: Floats, hold: Floats) -> Floats:
     """Return so many processes of each vehicle, array [process, cycle, vehicle], each with a stream of its own; smoothed where `hold` is above 0."""
     found = np.empty((number, cycles, len(seeds)))
     for process in range(number):

@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from safeloc.simulation.physics.fibre_coupling import COUPLING, FADING, FIGURES, LEVEL, LOOSE, LOOSE_SHARE, LOSS, Coupled, coupled
+from safeloc.simulation.physics.fibre_coupling import (
+    COUPLING,
+    FADING,
+    FIGURES,
+    LEVEL,
+    LOOSE,
+    LOOSE_SHARE,
+    LOSS,
+    Coupled,
+    coupled,
+)
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 FRONT = np.array([100_000, 60_000])
