@@ -13,7 +13,7 @@ from safeloc.errors import InputError
 from safeloc.language.system import TransitionSystem
 from safeloc.models.balise.simulation import many as balise_runs
 from safeloc.models.balise.simulation.many import Line
-from safeloc.models.balise.simulation.passages import KINDS, Antenna
+from safeloc.models.balise.simulation.passages import ANTENNA_FIGURES, KINDS, Antenna, antenna_timing
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.line_runs.configs import SPEED_SHARE, LineVehicle, fitting
 from safeloc.models.line_runs.drive import STAND_S
@@ -136,6 +136,7 @@ class BaliseOnLine(OnLine):
             ),
             "counted": DrawnFigure("share", 0, 1, 0.5, "readings with a latched counter"),
             "odometer_dropout": DrawnFigure("share", 0, 1, 0.0, "cycles in which the odometer measures nothing"),
+            **ANTENNA_FIGURES,
         }
 
     @property
@@ -174,7 +175,10 @@ class BaliseOnLine(OnLine):
         of_groups = [[fault for fault in faults if fault.where in met] for faults in drawn.faults]
         shares = (figures[name].tolist() for name in ("missed", "foreign", "counted"))
         rngs = [seed.rng("antenna") for seed in drawn.seeds]
-        antennas = [Antenna(*one) for one in zip(rngs, *shares, of_groups, strict=True)]
+        antennas = [
+            Antenna(*one, timing=antenna_timing(figures, run, drawn.seeds[run]))
+            for run, one in enumerate(zip(rngs, *shares, of_groups, strict=True))
+        ]
         line = Line(known, [{0: known}] * drawn.vehicles, self.vehicle.national_mm, self.libraries)
         return ManyRuns(balise_runs.simulate_many(config, line, motions, distances, antennas).inputs)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from safeloc.language.system import TransitionSystem
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.odometry.ghosts import READERS
+from safeloc.models.odometry.late_marker import late_marker
 from safeloc.models.odometry.simulate import reading_inputs, units_of
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.vocabulary.error_law import ErrorLaw
@@ -22,14 +23,17 @@ from safeloc.simulation import reader_faults, sensors
 from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
 from safeloc.simulation.motion import Motions
-from safeloc.simulation.physics import conditions
+from safeloc.simulation.physics import conditions, reader_timing
 from safeloc.simulation.physics.conditions import Conditions, Wheel
+from safeloc.simulation.physics.late_readings import late_readings
 from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander
 from safeloc.simulation.physics.map_errors import MapError
+from safeloc.simulation.physics.reader_timing import Way, timing_of
 from safeloc.simulation.reader_faults import with_faults
 from safeloc.simulation.sensors import (
     SEVERITY,
     Distances,
+    Reading,
     draws_of,
     faulty,
     measure_many,
@@ -43,6 +47,11 @@ MISSED = "missed"
 SHARED_WHEEL = "wheel"
 """The name of the figures of a vehicle's wheels where other machines read the front one as well."""
 _ACCURACY_MM = 1_000
+ENDS = ("front", "rear")
+READER_FIGURES: Mapping[str, DrawnFigure] = {
+    **reader_timing.FIGURES, **reader_timing.mounting(ENDS[0]), **reader_timing.mounting(ENDS[1])
+}  # fmt: skip
+"""Figures of the readers at both ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +66,7 @@ def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
     """Return the figures of the sensors that may be drawn."""
     found = {MISSED: DrawnFigure("share", 0, 1, 0.0, "markers that a reader does not report")}
     found |= conditions.figures_of([name for name, law in units_of(config).items() if law.kind == "wheel"])
+    found |= READER_FIGURES
     for name in units_of(config):
         found[f"{name}_severity"] = DrawnFigure(
             "share", 0, 100, 0.9, f"error of {name} as a share of what its law allows; above 1 it breaks the law"
@@ -149,9 +159,7 @@ def simulate_shared(
                 own_share=maps[run].own_share, beside_mm=beside,
             )  # fmt: skip
             own = [fault for fault in faults[run] if fault.where == name]
-            for one in with_faults(name, read, markers, own, anywhen=True):
-                if one.cycle < cycles:
-                    _write(inputs, reading_inputs(config, one, int(motion.position_nm[one.cycle])), one.cycle, run)
+            _tell(inputs, config, read, end, motion.position_nm, markers, own, met.figures, seed, run)
     return inputs
 
 
@@ -205,7 +213,7 @@ def _read(
 ) -> None:
     """Write the readings of one reader into the inputs."""
     most = np.array([accuracy_mm[marker] for marker, _ in markers], dtype=np.float64)
-    identities, cycles = np.array([marker for marker, _ in markers]), len(position)
+    identities = np.array([marker for marker, _ in markers])
     places = np.array([place for _, place in markers], dtype=np.float64)
     for run, seed in enumerate(drawn.seeds):
         rng = seed.rng(READERS[end])
@@ -215,9 +223,35 @@ def _read(
         lost = set(identities[rng.random(len(markers)) < drawn.figures[MISSED][run]].tolist())
         seen = [one for one in readings if one.marker not in lost]
         faults = [one for one in drawn.faults[run] if one.strikes(READERS[end])]
-        for one in with_faults(READERS[end], seen, markers, faults, anywhen=True):
-            if one.cycle < cycles:
-                _write(inputs, reading_inputs(config, one, int(position[one.cycle, run])), one.cycle, run)
+        _tell(inputs, config, seen, end, position[:, run], markers, faults, drawn.figures, seed, run)
+
+
+def _tell(
+    inputs: dict[str, Array],
+    config: OdometryConfig,
+    readings: Sequence[Reading],
+    end: int,
+    position_nm: NDArray[np.int64],
+    markers: Sequence[tuple[int, int]],
+    faults: Sequence[Fault],
+    figures: Mapping[str, NDArray[np.float64]],
+    seed: VehicleSeed,
+    run: int,
+) -> None:
+    """Write what the reader of one vehicle tells: its readings as late as it stamps them, with its faults."""
+    timing = timing_of(figures, run, ENDS[end])
+    offset_mm = config.vehicle_length_mm if end else 0
+    late = late_readings(
+        readings, Way(0, position_nm, config.period_ms), offset_mm, timing, seed.rng(f"latency {READERS[end]}")
+    )
+    for one in with_faults(READERS[end], late, markers, faults, anywhen=True):
+        if one.cycle < len(position_nm):
+            truth_nm = int(position_nm[one.cycle])
+            cells = reading_inputs(config, one, truth_nm)
+            if one.spot_nm is not None and one.place_mm is not None:
+                ran_nm = truth_nm - (int(position_nm[one.cycle - 1]) if one.cycle else 0)
+                cells |= late_marker(config, one, truth_nm, ran_nm, timing.mounting_mm)
+            _write(inputs, cells, one.cycle, run)
 
 
 def _write(inputs: dict[str, Array], cells: Mapping[str, int | bool], cycle: int, run: int) -> None:

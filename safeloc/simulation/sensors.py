@@ -98,7 +98,10 @@ class Distances:
 
 @dataclass(frozen=True)
 class Reading:
-    """One marker reading at one end. `place_mm` is None for a marker that the map does not have."""
+    """One marker reading at one end. `place_mm` is None for a marker that the map does not have.
+
+    spot_nm  where the marker truly lies; None: where the run since then puts it
+    """
 
     cycle: int
     end: int
@@ -106,6 +109,7 @@ class Reading:
     place_mm: int | None
     accuracy_mm: int
     since_mm: int
+    spot_nm: int | None = None
 
 
 def measure(

@@ -96,7 +96,7 @@ def test_each_law_is_broken_by_what_leaves_it() -> None:
 
 def test_figures_are_declared_with_units() -> None:
     """Every figure of rail, wheels, map and sky has its range, unit and meaning, and a default within."""
-    assert {"share", "mm", "ppm", "cycles"} == {one.unit for one in PHYSICS.values()}
+    assert {"share", "mm", "ppm", "cycles", "ms", "telegrams", "dB", "dB/km"} == {one.unit for one in PHYSICS.values()}
     assert all(one.low <= one.default <= one.high and one.what for one in PHYSICS.values())
 
 
@@ -115,14 +115,16 @@ def test_a_solution_is_that_of_least_squares() -> None:
     errors, azimuth = rng.integers(-9_000, 9_000, (6, 4, 1)), rng.random((6, 1)) * 6.28
     kept = np.ones((6, 4, 1), dtype=np.bool_)
     kept[[0, 2], 1], kept[1:, 2], kept[:, 3] = False, False, False
-    found = solved(errors, kept, azimuth)
+    rates = rng.integers(-900, 900, (6, 4, 1))
+    found = solved(errors, rates, kept, azimuth)
     slopes = np.cos(0.5) * np.cos(azimuth[:, 0])
     for cycle in (0, 1):
         used = kept[:, cycle, 0]
         inverse = np.linalg.pinv(np.stack([slopes[used], np.ones(used.sum())], axis=1))[0]
         assert round(float(inverse @ errors[used, cycle, 0])) == found.off_mm[cycle, 0]
+        assert round(1_000 * float(inverse @ rates[used, cycle, 0])) == found.faster_um_s[cycle, 0]
         assert 0 <= found.dilution_permille[cycle, 0] - 1_000 * np.abs(inverse).sum() <= 2
     assert [False, False] == found.used[:, 2:, 0].any(axis=0).tolist()
     assert 0 == found.missing[0, 0] != found.missing[2, 0] != found.missing[3, 0]
-    same = solved(errors[:3, :1], kept[:3, :1], np.full((3, 1), 0.7))
+    same = solved(errors[:3, :1], rates[:3, :1], kept[:3, :1], np.full((3, 1), 0.7))
     assert not same.used.any()

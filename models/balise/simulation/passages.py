@@ -12,11 +12,16 @@ from numpy.typing import NDArray
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group, telegram
+from safeloc.models.balise.simulation.late_group import LateGroup
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.simulation.faults import Fault, Kinds, plain
+from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.motion import Motion
+from safeloc.simulation.physics import reader_timing
 from safeloc.simulation.physics.map_errors import OWN_SHARE, MapError
+from safeloc.simulation.physics.reader_timing import ReaderTiming, Way, timing_of
+from safeloc.simulation.vehicle_seed import VehicleSeed
 
 _DISPLACED_MM = 40_000
 """Displacement of a group beyond twice the tolerance and twice its accuracy."""
@@ -31,18 +36,27 @@ KINDS = Kinds(
 )  # fmt: skip
 """Each at one group, by its identity, for the whole run. `early` and `late` displace the group farther than any interval reaches."""
 
+ANTENNA_FIGURES: Mapping[str, DrawnFigure] = {**reader_timing.FIGURES, **reader_timing.mounting("antenna")}
+"""Figures of the reader of balises, of `antenna_timing`."""
+
 Cells = Mapping[str, Cell]
 
 
 @dataclass(frozen=True)
 class Passage:
-    """The antenna's passage over one group: the time at balise 1 (ms since the start), and the places of front end and balise 1 (nm)."""
+    """The antenna's passage over one group: the time at balise 1 (ms since the start), and the places of front end and balise 1 (nm).
+
+    accuracy_mm  of the group's place on the map
+    stamped_nm   place of the front end at the time stamp, and then `time_ms` is its time; None: the reader stamps in time
+    """
 
     group: Group
     time_ms: float
     front_nm: int
     spot_nm: int
     fault: str = ""
+    accuracy_mm: int = 0
+    stamped_nm: int | None = None
 
 
 @dataclass(frozen=True)
@@ -62,6 +76,7 @@ class Antenna:
     counted  the share of readings with a latched counter
     faults   of `KINDS`
     map_     the error of the vehicle's map; None: each group errs by itself, up to nine tenths of its accuracy
+    timing   how late it stamps its readings and how it is mounted, with the draws of that; None: in time, at its place
     """
 
     rng: np.random.Generator
@@ -70,6 +85,14 @@ class Antenna:
     counted: float
     faults: Sequence[Fault] = ()
     map_: MapError | None = None
+    timing: tuple[ReaderTiming, np.random.Generator] | None = None
+
+
+def antenna_timing(
+    figures: Mapping[str, NDArray[np.float64]], vehicle: int, seed: VehicleSeed
+) -> tuple[ReaderTiming, np.random.Generator]:
+    """Return the timing of a vehicle's reader from `ANTENNA_FIGURES`, arrays [vehicle], with the draws of its latencies."""
+    return timing_of(figures, vehicle, "antenna"), seed.rng("latency antenna")
 
 
 # ------------------------------------------------------------------ passages
@@ -92,6 +115,22 @@ def passages(
         lost = not spot.fault and antenna.rng.random() < antenna.missed
         time_ms = (int(cycle) + share) * config.period_ms
         found.append(replace(spot, time_ms=time_ms, fault="missed" if lost else spot.fault))
+    return found if antenna.timing is None else _stamped(config, found, motion, *antenna.timing)
+
+
+def _stamped(
+    config: BaliseConfig, met: Sequence[Passage], motion: Motion, timing: ReaderTiming, rng: np.random.Generator
+) -> list[Passage]:
+    """Return the passages with the latency of the reader: the time and the place of its stamp; missed where it has no time to read."""
+    if timing.plain:
+        return list(met)
+    way = Way(motion.start_nm, motion.position_nm, config.period_ms)
+    drawn, found = timing.latencies(rng, len(met)), []
+    for number, one in enumerate(met):
+        heard = drawn.heard(number, way.speed_mm_s(one.time_ms))
+        time_ms = one.time_ms + float(drawn.late_ms[number])
+        fault = one.fault if heard or one.fault else "missed"
+        found.append(replace(one, time_ms=time_ms, stamped_nm=round(way.at_nm(time_ms)), fault=fault))
     return found
 
 
@@ -111,6 +150,7 @@ def _spots(config: BaliseConfig, groups: Sequence[Group], national_mm: int, ante
     own = OWN_SHARE if antenna.map_ is None else antenna.map_.own_share
     kinds = {fault.where: fault.kind for fault in antenna.faults}
     signs = {"early": -1, "late": 1}
+    ahead = 0.0 if antenna.timing is None else antenna.timing[0].mounting_mm
     spots = []
     for group in groups:
         fault = kinds.get(group.identity, "")
@@ -122,8 +162,8 @@ def _spots(config: BaliseConfig, groups: Sequence[Group], national_mm: int, ante
         detection = antenna.rng.uniform(-0.9, 0.9) * config.detection_mm
         shift = signs.get(fault, 0) * _displaced_mm(config, group, national_mm)
         spot = int((group.place_mm + shift + error) * NM_PER_MM)
-        front = spot + int((config.antenna_mm + detection) * NM_PER_MM)
-        spots.append(Passage(group, 0.0, front, spot, fault))
+        front = spot + int((config.antenna_mm + detection - ahead) * NM_PER_MM)
+        spots.append(Passage(group, 0.0, front, spot, fault, accuracy))
     return spots
 
 
@@ -213,6 +253,8 @@ class Reading:
 
     def _read(self, passage: Passage, cycle: int) -> Telegram:
         """Return the telegram and its ghosts; the age is rounded up, and the latched counter's error is part of the ghost's wander."""
+        if passage.stamped_nm is not None:
+            return self._read_late(passage, passage.stamped_nm, cycle)
         run = int(self._motion.position_nm[cycle]) - passage.front_nm
         age = math.ceil((cycle + 1) * self._config.period_ms - passage.time_ms)
         ghosts: dict[str, Cell] = {
@@ -226,6 +268,30 @@ class Reading:
         if self._rng.random() < self._antenna.counted and abs(wander) <= half:
             read["telegram_since_mm"] = since
             ghosts["reading_wander_nm"] = wander
+        return Telegram(_with_fault(read, passage.fault), ghosts)
+
+    def _read_late(self, passage: Passage, stamped_nm: int, cycle: int) -> Telegram:
+        """Return the telegram as the reader stamps it, and ghosts that keep its laws if any do."""
+        now_nm, half = int(self._motion.position_nm[cycle]), self._config.odometer.wander_nm
+        age = math.ceil((cycle + 1) * self._config.period_ms - passage.time_ms)
+        placed = self._placed[max(one for one in self._placed if one <= cycle)]
+        read = telegram(passage.group, age_ms=age, place=passage.group.identity in placed)
+        noise_mm = self._rng.uniform(-0.5, 0.5) * min(half / NM_PER_MM, 20)
+        since_mm = round((now_nm - stamped_nm) / NM_PER_MM + noise_mm)
+        counted = self._rng.random() < self._antenna.counted
+        if counted:
+            read["telegram_since_mm"] = since_mm
+        late = LateGroup(
+            self._config, now_nm, now_nm - (int(self._motion.position_nm[cycle - 1]) if cycle else self._motion.start_nm),
+            int(self._wander_nm[cycle]), age, since_mm if counted else None,
+        )  # fmt: skip
+        near_nm = passage.accuracy_mm * NM_PER_MM
+        place_nm = passage.group.place_mm * NM_PER_MM
+        if (
+            abs(passage.spot_nm - place_nm) > _DISPLACED_MM * NM_PER_MM
+        ):  # far off, and wherever it is chosen near there too
+            place_nm, near_nm = passage.spot_nm, _DISPLACED_MM * NM_PER_MM // 2
+        ghosts = late.ghosts(now_nm - passage.front_nm, passage.spot_nm, place_nm, near_nm)
         return Telegram(_with_fault(read, passage.fault), ghosts)
 
 

@@ -10,13 +10,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.units import NM_PER_MM, UM_PER_MM
 from safeloc.models.localizer.simulation.columns import Column, Columns
 from safeloc.models.localizer.simulation.journey import BLOCK_CYCLES, SPOOFED_MM, Stretch, Vehicles, speeds_um_s
+from safeloc.models.localizer.simulation.off_the_map import sections_off_mm
 from safeloc.models.localizer.simulation.reflected import Receivers
 from safeloc.models.localizer.simulation.sky import NO_EPOCH, TWO_PORTIONS, Sky, noise, signals, solution
 from safeloc.models.motion.simulate import Measured
 from safeloc.models.verification.variables import FROM
+from safeloc.simulation.physics.fibre_coupling import coupled
 from safeloc.simulation.physics.multipath import DEVIATION, reflections
 
 _SENDERS = tuple(one.label for one in FROM)
@@ -65,11 +67,13 @@ def satellite(vehicles: Vehicles) -> Columns:
     spoofed = truth + np.cumsum(SPOOFED_MM * vehicles.acting("spoofing"), axis=0)
     speed = speeds_um_s(vehicles.motions)[1:]
     columns = signals(config, sky, drawn) | solution(config, sky, drawn, spoofed, speed)
-    columns |= _reflected(vehicles, sky, columns, spoofed)
+    columns |= _reflected(vehicles, sky, columns, spoofed, speed)
     return columns | {"position.next_speed_um_s": Column(speed)}
 
 
-def _reflected(vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray[np.int64]) -> Columns:
+def _reflected(
+    vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray[np.int64], speed_um_s: NDArray[np.int64]
+) -> Columns:
     """Return the columns that reflections change, for the vehicles whose signals are reflected."""
     config, which = vehicles.config.satellite.selection, vehicles.figures[DEVIATION] > 0
     satellites = min(config.channels, int(sky.seen.max(initial=0)))
@@ -77,7 +81,9 @@ def _reflected(vehicles: Vehicles, sky: Sky, columns: Columns, place_mm: NDArray
         return {}
     found = reflections(vehicles.figures, vehicles.seeds, satellites, vehicles.shape[0])
     ready = sky.received >= config.warm_up_cycles
-    return Receivers(config, columns, which, ready, found).reflected(place_mm)
+    fastest_um_s = vehicles.config.satellite.max_speed_mm_s * UM_PER_MM
+    receivers = Receivers(config, columns, which, ready, found, vehicles.config.motion.period_ms, fastest_um_s)
+    return receivers.reflected(place_mm, speed_um_s)
 
 
 def _within(stretches: Sequence[Stretch], places_mm: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -142,6 +148,9 @@ def _pattern(
     """Return the features that the fibre determines in a block, every fifth cycle; nothing between them."""
     located = inside & (np.arange(len(front))[:, None] % BLOCK_CYCLES == 0)
     off_mm, faster_mm_s, longer_mm = _drawn(vehicles, located)
+    off_mm = off_mm - sections_off_mm(vehicles, front)
+    axles, behind_mm, shorter_mm = _coupled(vehicles, front, located)
+    located = located & (axles > 0)
     return {
         "associated": Column(located),
         "fibre_located": Column(located),
@@ -150,11 +159,30 @@ def _pattern(
         "fibre_error": Column(inside & vehicles.acting("fibre error")),
         "chain_tested": Column(inside),
         "chain_failed": Column(False),
-        "fibre_position_mm": Column(front + off_mm, located),
+        "fibre_position_mm": Column(front + off_mm - behind_mm, located),
         "fibre_speed_mm_s": Column(speed + faster_mm_s, located),
-        "fibre_axles": Column(vehicles.first.axles, located),
-        "fibre_length_mm": Column(vehicles.first.length_mm + longer_mm, located),
+        "fibre_axles": Column(axles, located),
+        "fibre_length_mm": Column(np.maximum(vehicles.first.length_mm + longer_mm - shorter_mm, 0), located),
     }
+
+
+def _coupled(
+    vehicles: Vehicles, front: NDArray[np.int64], located: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return what the coupling lets the fibre find in these cycles: axles, how far behind the front it puts the front, and how much too short
+    the train: arrays [cycle, vehicle].
+    """
+    journey, shape = vehicles.first, vehicles.shape
+    axles, behind, shorter = np.full(shape, journey.axles), np.zeros(shape, np.int64), np.zeros(shape, np.int64)
+    if journey.fibre is None:
+        return axles, behind, shorter
+    fibres = coupled(vehicles.figures, vehicles.seeds, journey.fibre.begin_mm, journey.fibre.end_mm)
+    for vehicle, fibre in fibres.items():
+        cycles, rng = np.flatnonzero(located[:, vehicle]), vehicles.seeds[vehicle].rng("fibre fading")
+        found = fibre.received(front[cycles, vehicle], journey.length_mm, journey.axles, rng)
+        axles[cycles, vehicle], behind[cycles, vehicle] = found.axles, found.first_mm
+        shorter[cycles, vehicle] = journey.length_mm - (found.last_mm - found.first_mm)
+    return axles, behind, shorter
 
 
 def _drawn(vehicles: Vehicles, located: NDArray[np.bool_]) -> NDArray[np.int64]:

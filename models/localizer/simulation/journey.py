@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.groups import Group
+from safeloc.models.balise.simulation.passages import ANTENNA_FIGURES
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.junction import Junction
-from safeloc.models.odometry.many import SHARED_WHEEL
+from safeloc.models.odometry.many import READER_FIGURES, SHARED_WHEEL
 from safeloc.models.reflector import simulate as reflector_streams
 from safeloc.simulation.faults import Fault, Kinds, plain
 from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.motion import Leg, Motion, Motions, VehicleConfig, move_many
-from safeloc.simulation.physics import conditions, multipath
+from safeloc.simulation.physics import conditions, fibre_coupling, multipath
 from safeloc.simulation.physics.conditions import Conditions
-from safeloc.simulation.physics.map_errors import MapError
+from safeloc.simulation.physics.map_errors import REFLECTORS, SECTIONS, MapError, Survey, figures_of_survey
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 KINDS = Kinds(
@@ -55,8 +56,17 @@ PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
 
 
 WHEEL = SHARED_WHEEL
-PHYSICS: Mapping[str, DrawnFigure] = {**conditions.figures_of([WHEEL]), **multipath.FIGURES}
-"""Figures of what is simulated from its physics: of the rail, of both wheels of a vehicle, of the map and of reflected signals."""
+SECTION_SPACING = "section_spacing_mm"
+SPACING = {
+    SECTION_SPACING: DrawnFigure(
+        "mm", 1_000, 1e7, 100_000, "way from one section of the fibre to the next, whose place the map has"
+    )
+}
+PHYSICS: Mapping[str, DrawnFigure] = {
+    **conditions.figures_of([WHEEL]), **multipath.FIGURES, **READER_FIGURES, **ANTENNA_FIGURES,
+    **figures_of_survey(REFLECTORS), **figures_of_survey(SECTIONS), **SPACING, **fibre_coupling.FIGURES,
+}  # fmt: skip
+"""Figures of what is simulated from its physics: of rail, of both wheels of a vehicle, of maps, reflected signals, readers and fibre."""
 
 
 @dataclass(frozen=True)
@@ -201,11 +211,17 @@ class Vehicles:
 
     @cached_property
     def maps(self) -> Sequence[MapError]:
-        """The map's error of each, up to the last marker or group of the line."""
+        """The map's error of each, up to the last marker, group, reflector or section of the line."""
         journey = self.first
         places = [place for _, place in journey.markers]
         places += [group.place_mm for group in [*journey.groups, *journey.passed]]
+        places += [one.position_mm for one in (*journey.reflectors.reflectors, *journey.reflectors.beside)]
+        places += [journey.fibre.end_mm] if journey.fibre else []
         return self.met.maps(max(places, default=0))
+
+    def survey(self, things: str) -> Survey:
+        """Return the survey of reflectors, or of sections of the fibre."""
+        return Survey(things, self.figures, self.seeds, self.maps)
 
     def acting(self, kind: str) -> NDArray[np.bool_]:
         """Return whether a fault of a kind acts: array [cycle, vehicle]."""

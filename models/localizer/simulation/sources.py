@@ -13,10 +13,11 @@ from safeloc.language.system import TransitionSystem, lower
 from safeloc.models import odometry
 from safeloc.models.balise.simulation.many import Line
 from safeloc.models.balise.simulation.many import simulate_many as simulate_balises
-from safeloc.models.balise.simulation.passages import Antenna
+from safeloc.models.balise.simulation.passages import Antenna, antenna_timing
 from safeloc.models.localizer.simulation.columns import Columns, arrays_of
 from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
 from safeloc.models.localizer.simulation.journey import WHEEL, Vehicles
+from safeloc.models.localizer.simulation.off_the_map import misplaced, reflectors_err
 from safeloc.models.motion.simulate import Measured, measured_by_many
 from safeloc.models.motion.world import CHECK_LAWFUL, ODOMETER_LAWFUL
 from safeloc.models.odometry.many import faulty_wheel, simulate_shared
@@ -25,6 +26,7 @@ from safeloc.models.reflector.simulation.draws import ByPurpose
 from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
 from safeloc.models.reflector.simulation.scene import KINDS, Scene
 from safeloc.simulation.many_runs import Array, ManyRuns, absent_everywhere
+from safeloc.simulation.physics.map_errors import REFLECTORS
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +72,9 @@ class Fleet:
             if rear in found:
                 told[f"rear_{WHEEL}"] = found[rear], found[f"{rear}.present"]
             chosen["odometry.faulty_unit"] = faulty_wheel(config.odometry, self.vehicles.met, told)
+        if self.vehicles.survey(REFLECTORS).errs.any() and "reflector.next_radar_bias_nm" in found:
+            errs = reflectors_err(self.vehicles)
+            chosen["reflector.radar_bias_nm"] = np.where(errs, found["reflector.next_radar_bias_nm"][0], 0)
         return chosen
 
     def _of(self, columns: Columns) -> dict[str, Array]:
@@ -98,8 +103,10 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
 def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     vehicles = fleet.vehicles
     antennas = [
-        Antenna(rng, 0, 0, 0.5, own, wrong)
-        for rng, own, wrong in zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
+        Antenna(rng, 0, 0, 0.5, own, wrong, antenna_timing(vehicles.figures, vehicle, vehicles.seeds[vehicle]))
+        for vehicle, (rng, own, wrong) in enumerate(
+            zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
+        )
     ]
     motions = [vehicles.motions.of(vehicle) for vehicle in range(len(antennas))]
     line = Line(vehicles.first.passed, vehicles.routes(), 5_000, fleet.libraries)
@@ -114,7 +121,7 @@ def _reflector(fleet: Fleet, measured: Measured) -> dict[str, Array]:
         KINDS.require(own, places=[""], length=vehicles.shape[0])
     made = simulate_radars(
         vehicles.config.reflector, Scene(vehicles.first.reflectors, pauses=0, dropout=0), vehicles.motions, measured.reported, disturbed,
-        ByPurpose(vehicles.seeds, vehicles.shape[0]), fleet.libraries,
+        ByPurpose(vehicles.seeds, vehicles.shape[0]), fleet.libraries, misplaced(vehicles),
     )  # fmt: skip
     return fleet.named("reflector", made)
 

@@ -19,12 +19,14 @@ from safeloc.language.system import TransitionSystem, canonical, lower, without_
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector import machine
 from safeloc.models.reflector.simulation.draws import Draws, between
+from safeloc.models.reflector.simulation.misplaced import Misplaced
 from safeloc.models.reflector.simulation.radar import MODELS, Instants, Radars, empty_slots
 from safeloc.models.reflector.simulation.scene import Balise, Route, Scene
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import Array, absent_everywhere, through_border
 from safeloc.simulation.motion import Motions
+from safeloc.simulation.physics.gauss_markov import Floats
 from safeloc.simulation.sensors import Distances
 
 _TOLD = ("valid", "reflector_model", "reflector_position_mm", "position_mm", "margin_below_mm")
@@ -50,17 +52,23 @@ def simulate_many(
     disturbances: Sequence[Sequence[Fault]],
     draws: Draws,
     libraries: Path | None = None,
+    misplaced: Misplaced | None = None,
 ) -> dict[str, Array]:
     """Return the inputs of vehicles, ghosts included: name -> array [cycle, vehicle].
 
     odometers     their distances, arrays [cycle, vehicle]
     disturbances  of each vehicle's radar; those of the scene are not read
     libraries     folder for compiled machines; None: a temporary one
+    misplaced     reflectors and balises that are not where the map has them; None: all are
     """
     made, route = config.model_dump_json(), scene.route
     inputs = _of_vehicles(config, _with_world(made), motions, odometers)
-    passed = _passed(motions, route)
-    _sense(config, inputs, motions, route.balises, passed, Radars(config, scene, disturbances, draws), draws)
+    beside = {} if misplaced is None else misplaced.balises
+    passed = _passed(motions, route, beside)
+    radars = Radars(config, scene, disturbances, draws, None if misplaced is None else misplaced.reflectors)
+    _sense(config, inputs, motions, route.balises, passed, radars, draws, beside)
+    if misplaced is not None:
+        misplaced.explain(config, inputs, motions.position_nm)
     if not route.reflectors:  # the map answers nothing, so no input follows from what the machines report
         return inputs
     code = on_board(made, libraries)
@@ -80,6 +88,7 @@ def _sense(
     passed: NDArray[np.int64],
     radars: Radars,
     draws: Draws,
+    beside: Mapping[int, Floats],
 ) -> None:
     """Write readings of balises and frames of the radars into the inputs, all cycles at once or one after the other."""
     numbers = np.zeros(passed.shape, dtype=np.int64)
@@ -88,7 +97,7 @@ def _sense(
     for first in range(0, len(passed), size):
         some = slice(first, first + size)
         at = Instants(first, distance[some], motions.position_nm[some])
-        _read_balises(config, inputs, balises, passed[some], at, draws)
+        _read_balises(config, inputs, balises, passed[some], at, draws, beside)
         echoes = {name: values[:, some].reshape(config.echo_slots, -1) for name, values in slots.items()}
         frames = radars.frames(at, echoes)
         inputs["frame_present"][some] = frames.present.reshape(at.now_nm.shape)
@@ -121,14 +130,19 @@ def _last_measured(odometers: Distances) -> NDArray[np.int64]:
     return np.asarray(np.take_along_axis(padded, last, axis=0), dtype=np.int64)
 
 
-def _passed(motions: Motions, route: Route) -> NDArray[np.int64]:
-    """Return the number of the balise passed in each cycle, array [cycle, vehicle]: of several the first one of the route; -1 for none."""
+def _passed(motions: Motions, route: Route, beside_mm: Mapping[int, Floats]) -> NDArray[np.int64]:
+    """Return the number of the balise passed in each cycle, array [cycle, vehicle]: of several the first one of the route; -1 for none.
+
+    beside_mm  how far beyond its place each vehicle meets the balise there, array [vehicle]
+    """
     after = motions.position_nm
     before = np.vstack([np.full((1, after.shape[1]), motions.start_nm), after[:-1]])
     low, high = np.minimum(before, after), np.maximum(before, after)
     found = np.full(after.shape, -1)
     for number, balise in reversed(list(enumerate(route.balises))):
-        place = balise.position_mm * NM_PER_MM
+        place: Array | int = balise.position_mm * NM_PER_MM
+        if balise.position_mm in beside_mm:
+            place = place + np.rint(beside_mm[balise.position_mm] * NM_PER_MM).astype(np.int64)
         found[(low < place) & (place <= high)] = number
     return found
 
@@ -140,6 +154,7 @@ def _read_balises(
     passed: NDArray[np.int64],
     at: Instants,
     draws: Draws,
+    beside_mm: Mapping[int, Floats],
 ) -> None:
     begin = at.first * passed.shape[1]
     for number, balise in enumerate(balises):
@@ -147,6 +162,8 @@ def _read_balises(
         if not len(which):
             continue
         error = (between(draws, "balise", which, -0.8, 0.8) * balise.accuracy_mm).astype(np.int64)
+        if balise.position_mm in beside_mm:
+            error = error - np.rint(beside_mm[balise.position_mm][which % passed.shape[1]]).astype(np.int64)
         since = np.rint(at.ends_nm[which] / NM_PER_MM).astype(np.int64) - balise.position_mm + error
         cells: dict[str, Array | int] = {
             "balise": balise.identity,

@@ -6,7 +6,7 @@ Cells are those of all cycles at once, or of one cycle (`Draws.at_once`), in the
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
@@ -134,12 +134,23 @@ class Disturbances:
 
 
 class Radars:
-    """The radars of vehicles in one scene, each with its disturbances; `scene.disturbances` are not read."""
+    """The radars of vehicles in one scene, each with its disturbances; `scene.disturbances` are not read.
+
+    beside_mm  how far beyond its place each vehicle meets the reflector there: place, mm -> array [vehicle]; none without any
+    """
 
     def __init__(
-        self, config: ReflectorConfig, scene: Scene, disturbances: Sequence[Sequence[Fault]], draws: Draws
+        self,
+        config: ReflectorConfig,
+        scene: Scene,
+        disturbances: Sequence[Sequence[Fault]],
+        draws: Draws,
+        beside_mm: Mapping[int, NDArray[np.float64]] | None = None,
     ) -> None:
         self._config, self._scene, self._draws = config, scene, draws
+        self._beside_nm = {
+            place: np.rint(mm * NM_PER_MM).astype(np.int64) for place, mm in (beside_mm or {}).items() if mm.any()
+        }
         self._disturbed, self._vehicles = Disturbances(disturbances), len(disturbances)
         route = scene.route
         seen = sorted((*route.reflectors, *route.beside), key=lambda one: one.position_mm)
@@ -164,6 +175,8 @@ class Radars:
     def _in_reach(self, one: Reflector, at: Instants) -> bool:
         """Return whether a radar may receive a reflector from some place at which a vehicle is in these cycles."""
         farthest_mm = int(np.abs(at.distance_nm).max(initial=0)) / NM_PER_MM + 1
+        if one.position_mm in self._beside_nm:
+            farthest_mm += int(np.abs(self._beside_nm[one.position_mm]).max()) / NM_PER_MM
         beyond_mm = one.position_mm + self._config.radar_offset_mm
         nearest, last = (
             beyond_mm - int(end) / NM_PER_MM for end in (at.now_nm.max(initial=0), at.now_nm.min(initial=0))
@@ -179,7 +192,8 @@ class Radars:
         if self._disturbed.have("blind"):
             sighted = ~self._disturbed.acting("blind", at.first, len(at.now_nm))[which]
         for number, one in near:
-            range_mm = np.rint(one.position_mm - at_frame / NM_PER_MM).astype(np.int64) + self._config.radar_offset_mm
+            away_mm = one.position_mm + self._beside(one, which) / NM_PER_MM - at_frame / NM_PER_MM
+            range_mm = np.rint(away_mm).astype(np.int64) + self._config.radar_offset_mm
             seen = (one.view_to_mm <= range_mm) & (range_mm < 2 * one.view_from_mm) & sighted
             if seen.any():
                 self._echo(frames, at, number, which[seen], range_mm[seen])
@@ -200,10 +214,15 @@ class Radars:
             intensity_cdb=strong,
             lateral_mm=3_000 + between(self._draws, f"lateral {number}", which, -100, 100).astype(np.int64),
             true_model=MODELS.index(one.model),
-            origin_nm=one.position_mm * NM_PER_MM,
+            origin_nm=one.position_mm * NM_PER_MM + self._beside(one, which),
             map_place_mm=one.position_mm,
             scaled_nm=scaled * NM_PER_MM,
         )
+
+    def _beside(self, one: Reflector, which: Which) -> Array | int:
+        """Return how far beyond its place a reflector stands for the vehicles of these cells, nm."""
+        beside = self._beside_nm.get(one.position_mm)
+        return 0 if beside is None else beside[which % self._vehicles]
 
     def _bias_mm(self, at: Instants) -> NDArray[np.int64]:
         return self.biases_mm(at.first, len(at.now_nm)).ravel()

@@ -29,3 +29,21 @@ def gauss_markov(noise: Floats, keep: Floats) -> Floats:
         now = keep * now + fresh * one if step else one
         found[step] = now
     return found
+
+
+def smoothed(process: Floats, begin: Floats, keep: Floats, hold: Floats) -> Floats:
+    """Return the process as a first-order low pass lets it through, with deviation 1 again: then it changes steadily.
+
+    begin  standard normal values, one for each process, that complete its first value
+    keep   of the process, as from `kept`; hold: share of the smoothed value that is held over a step
+    """
+    share = (1.0 - hold) / (1.0 - hold * keep)
+    variance = (1.0 - hold) / (1.0 + hold) * (1.0 + hold * keep) / (1.0 - hold * keep)
+    found, now = np.empty_like(process), process[0]
+    for step, one in enumerate(process):
+        if step:
+            now = hold * now + (1.0 - hold) * one
+        else:
+            now = share * one + np.sqrt(np.maximum(variance - share * share, 0.0)) * begin
+        found[step] = now
+    return np.asarray(found / np.sqrt(variance), dtype=np.float64)

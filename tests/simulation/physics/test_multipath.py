@@ -12,6 +12,9 @@ from safeloc.simulation.physics.multipath import (
     DEVIATION,
     DIRECTIONS,
     LASTS,
+    RATE,
+    SMOOTH,
+    WINDOW,
     Reflections,
     reflections,
     shares_of,
@@ -23,9 +26,11 @@ BOUND = 6 * math.sqrt(2 * (1 + KEPT**2) / (1 - KEPT**2) / CYCLES)
 """Six deviations of an estimate from so many values of which each keeps so much of the last one."""
 
 
-def drawn(common: float, *, vehicles: int = 1, satellites: int = 5, cycles: int = CYCLES) -> Reflections:
+def drawn(
+    common: float, *, vehicles: int = 1, satellites: int = 5, cycles: int = CYCLES, rate: float = 0, smooth: float = 0
+) -> Reflections:
     """Reflections of 3 m that last for 5 cycles."""
-    figures = {DEVIATION: 3_000.0, COMMON: common, LASTS: 5.0}
+    figures = {DEVIATION: 3_000.0, COMMON: common, LASTS: 5.0, RATE: rate, SMOOTH: smooth, WINDOW: 4.0}
     seeds = [VehicleSeed(3, (number,)) for number in range(vehicles)]
     return reflections({name: np.full(vehicles, one) for name, one in figures.items()}, seeds, satellites, cycles)
 
@@ -66,3 +71,27 @@ def test_a_vehicle_and_a_satellite_have_their_own() -> None:
     assert np.array_equal(all_.excess_mm[:2], few.excess_mm)
     assert np.array_equal(all_.azimuth[:2], few.azimuth)
     assert 15 == len({tuple(row) for row in all_.excess_mm.transpose(0, 2, 1).reshape(15, 50)})
+
+
+def test_range_rates_are_the_change_of_the_excess_length() -> None:
+    """As much of it as they show, of the first cycle as of the second; by default nothing, and the lengths are the same."""
+    plain, half = drawn(0.5, cycles=50), drawn(0.5, cycles=50, rate=0.5)
+    assert not plain.changing.any() and half.changing.all()
+    assert np.array_equal(plain.excess_mm, half.excess_mm)
+    assert np.allclose(np.diff(half.excess_mm, axis=1) / 2, half.change_mm[:, 1:])
+    assert np.allclose(half.change_mm[:, 0], half.change_mm[:, 1])
+
+
+def test_smoothed_lengths_keep_deviation_and_correlation_and_change_steadily() -> None:
+    """Deviation 3 m from the first cycle on; between satellites as without; the change as the low pass has it by theory."""
+    hold = math.exp(-1 / 20)
+    found = drawn(1.0, smooth=20, rate=1)
+    excess, azimuth = found.excess_mm[:, :, 0] / 3_000, found.azimuth[:, 0].tolist()
+    bound = BOUND * 3
+    for other in range(5):
+        assert alike(azimuth[0], azimuth[other]) == pytest.approx(float(np.mean(excess[0] * excess[other])), abs=bound)
+    variance = (1 - hold) / (1 + hold) * (1 + hold * KEPT) / (1 - hold * KEPT)
+    next_ = hold + (1 - hold) * KEPT * ((1 - hold) / (1 - hold * KEPT)) / variance
+    assert math.sqrt(2 - 2 * next_) * 3_000 == pytest.approx(float(found.change_mm.std()), rel=0.1)
+    many = drawn(0.5, vehicles=400, satellites=1, cycles=2, smooth=20)
+    assert [3_000, 3_000] == pytest.approx(many.excess_mm[0].std(axis=1).tolist(), rel=6 / math.sqrt(800))
