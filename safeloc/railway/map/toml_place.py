@@ -14,7 +14,7 @@ Place = Sequence[str | int]
 
 _HEADER = re.compile(r"""\s*(\[\[?)((?:[A-Za-z0-9_.\-\s]|"[^"]*"|'[^']*')+)\]""")
 _NAME = re.compile(r"""[A-Za-z0-9_\-]+|"[^"]*"|'[^']*'""")
-_KEY = re.compile(r"""^\s*([A-Za-z0-9_-]+|"[^"]*"|'[^']*')\s*=""")
+_KEY = re.compile(rf"^\s*((?:{_NAME.pattern})(?:\s*\.\s*(?:{_NAME.pattern}))*)\s*=")
 _TOKEN = re.compile(r"""#[^\n]*|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|[\[\]{},\n]""")
 """What divides an array that is written over several lines: brackets, commas and ends of lines outside strings and comments."""
 
@@ -33,7 +33,7 @@ def line_of(text: str, path: Place) -> int:
         elif header := _HEADER.match(content):
             here = table = _enter(header.group(2), header.group(1) == "[[", counts)
         elif key := _KEY.match(content):
-            here, after = (*table, _bare(key.group(1))), begin + key.end()
+            here, after = (*table, *_names(key.group(1))), begin + key.end()
             open_arrays = _opened(content[key.end() :]) if content[key.end() :].lstrip().startswith("[") else 0
         if here is not None and len(here) > best_depth and tuple(path[: len(here)]) == here:
             best, best_depth, value_from = number, len(here), after
@@ -67,14 +67,15 @@ def _lines_down(value: str, path: Place) -> int:
     return 0
 
 
-def _bare(name: str) -> str:
-    return name.strip("\"'")
+def _names(dotted: str) -> list[str]:
+    """Return the parts of a key such as `areas."west:1".sections_mm`."""
+    return [name.strip("\"'") for name in _NAME.findall(dotted)]
 
 
 def _enter(header: str, repeated: bool, counts: dict[tuple[str | int, ...], int]) -> tuple[str | int, ...]:
     """Return the path of a table header; `[[...]]` begins one more entry of its list, parts before it mean the last entry."""
     path: tuple[str | int, ...] = ()
-    names = [_bare(name) for name in _NAME.findall(header)]
+    names = _names(header)
     for name in names[:-1]:
         path = (*path, name)
         if path in counts:

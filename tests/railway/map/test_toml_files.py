@@ -197,6 +197,7 @@ def test_lines_of_arrays_and_quoted_names() -> None:
         ("k", 1),
         ("z",),
     )
+    assert [2, 3] == [line_of('a = 1\nb.c = 5\nb."d.e".f = 6\n', one) for one in (("b", "c"), ("b", "d.e", "f"))]
     assert [1, 3, 4, 7, 8, 2, 10, 13, 14] == [line_of(text, ("areas", "west:1", *one)) for one in places]
 
 
