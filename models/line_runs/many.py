@@ -176,8 +176,8 @@ class BaliseOnLine(OnLine):
         shares = (figures[name].tolist() for name in ("missed", "foreign", "counted"))
         rngs = [seed.rng("antenna") for seed in drawn.seeds]
         antennas = [
-            Antenna(*one, timing=antenna_timing(figures, run, drawn.seeds[run]))
-            for run, one in enumerate(zip(rngs, *shares, of_groups, strict=True))
+            Antenna(rng, missed, foreign, counted, own, None, antenna_timing(figures, run, drawn.seeds[run]))
+            for run, (rng, missed, foreign, counted, own) in enumerate(zip(rngs, *shares, of_groups, strict=True))
         ]
         line = Line(known, [{0: known}] * drawn.vehicles, self.vehicle.national_mm, self.libraries)
         return ManyRuns(balise_runs.simulate_many(config, line, motions, distances, antennas).inputs)

@@ -73,8 +73,9 @@ class ReaderTiming:
         tried = np.zeros(markers, dtype=np.int64)
         if self.telegrams:
             tried = self.telegrams + rng.negative_binomial(self.telegrams, 1 - self.failed, markers)
-        heard = tried * self.telegram_ms
-        return Latencies(heard + np.maximum(scattered, 0), np.asarray(heard, dtype=np.float64), self.contact_mm)
+        heard = np.asarray(tried * self.telegram_ms, dtype=np.float64)
+        late = np.asarray(heard + np.maximum(scattered, 0), dtype=np.float64)
+        return Latencies(late, heard, self.contact_mm)
 
 
 def timing_of(figures: Mapping[str, Floats], vehicle: int, reader: str) -> ReaderTiming:
