@@ -39,7 +39,7 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Wi
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import spacer
-from safeloc.proof.provers.verdicts_as_data import Packed, pack, pack_base, unpack, unpack_base
+from safeloc.proof.provers.verdicts_as_data import Packed, hold_for_forked, pack, pack_base, unpack, unpack_base
 from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
 
@@ -264,6 +264,7 @@ def _remember_base(
         known = unpack_base(packed[0], terms)
         for part, its in zip(system.parts, packed[1:], strict=True):
             remember(part.alone, unpack_base(its, {**ranges_and_lemmas(part.alone), **contracts(part.alone)}))
+        hold_for_forked(known.certificates)
     remember(system, known)
     then(known, seconds)
 

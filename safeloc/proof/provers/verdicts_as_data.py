@@ -1,11 +1,12 @@
 """Verdicts and findings as plain data, to be sent between processes.
 
 Terms are graphs too deep to pickle: they are sent as flat lists, parts before wholes. Traces are sent as first state and
-inputs; the receiver makes the runs again.
+inputs; the receiver makes the runs again. Certificates that both processes have are sent by name.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
@@ -113,6 +114,29 @@ def _unpack_escape(packed: PackedTrace | None, system: TransitionSystem) -> Trac
     return Trace(of, packed.initial, tuple(one for one, _ in taken(of, state, packed.stream)))
 
 
+_HELD: dict[str, tuple[int, str]] = {}
+"""Certificates by the names of their files, each with the process that holds it for those that it forks."""
+
+
+def hold_for_forked(certificates: Mapping[str, str]) -> None:
+    """Remember certificates that no process which this one forks from now on has to send back: each proof has those of the base."""
+    _HELD.update({file: (os.getpid(), text) for file, text in certificates.items()})
+
+
+def _packed_texts(certificates: Mapping[str, str]) -> dict[str, str | None]:
+    return {file: None if _is_held_before(file, text) else text for file, text in certificates.items()}
+
+
+def _is_held_before(file: str, text: str) -> bool:
+    """Return whether the process that forked this one, or one before that, holds this very text."""
+    process, held = _HELD.get(file, (os.getpid(), ""))
+    return process != os.getpid() and held is text
+
+
+def _unpacked_texts(packed: Mapping[str, str | None]) -> dict[str, str]:
+    return {file: _HELD[file][1] if text is None else text for file, text in packed.items()}
+
+
 Packed = tuple[Any, ...]
 
 
@@ -122,7 +146,7 @@ def pack(verdict: Verdict) -> Packed:
         case Proved(invariant, engine, depth, rechecked, certificates, witness, by_construction):
             term = None if invariant is None else pack_term(invariant)
             run_ = pack_trace(witness)
-            return ("proved", term, engine, depth, rechecked, dict(certificates), run_, by_construction)
+            return ("proved", term, engine, depth, rechecked, _packed_texts(certificates), run_, by_construction)
         case Violated(trace, engine, reason):
             return ("violated", pack_trace(trace), engine, reason)
         case Unknown(reason, depth, escape):
@@ -142,7 +166,8 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem,
         case ("proved", term, engine, depth, rechecked, certificates, witness, by_construction):
             invariant = None if term is None else unpack_term(term, observed)
             run_ = unpack_trace(witness, system, again)
-            return Proved(invariant, engine, depth, rechecked, certificates, run_, by_construction)
+            texts = _unpacked_texts(certificates)
+            return Proved(invariant, engine, depth, rechecked, texts, run_, by_construction)
         case ("violated", trace, engine, reason):
             return Violated(unpack_trace(trace, system, again), engine, reason)
         case ("unknown", reason, depth, escape):

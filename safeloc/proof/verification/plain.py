@@ -1,8 +1,8 @@
 """Findings as plain data (what JSON can hold), to be sent between processes and kept in files.
 
 Runs are stored with states and outputs, so that nothing has to be run again. Steps that several runs share, such as those of a
-recording on which many witnesses lie, are stored once, as a course. The invariant of a proof is left out: the certificates
-hold it.
+recording on which many witnesses lie, are stored once, as a course. So is each certificate: most proofs of a machine rest on the
+same ones, which would take fifty times the space otherwise. The invariant of a proof is left out: the certificates hold it.
 """
 
 from __future__ import annotations
@@ -30,7 +30,13 @@ def pack_findings(findings: Sequence[Finding], system: TransitionSystem) -> Plai
     packing = _Packing(system)
     rows = [packing.finding(one) for one in findings]
     courses = [one.rows for one in packing.courses]
-    return {"courses": courses, "traces": packing.traces, "replays": packing.replays, "findings": rows}
+    return {
+        "courses": courses,
+        "traces": packing.traces,
+        "replays": packing.replays,
+        "certificates": packing.certificates,
+        "findings": rows,
+    }
 
 
 def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
@@ -43,7 +49,7 @@ def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
         for one in packed["traces"]
     ]
     replays = [Replayed(one["name"], traces[one["trace"]], tuple(one["truth_mm"])) for one in packed["replays"]]
-    return [_unpacked(row, traces, replays) for row in packed["findings"]]
+    return [_unpacked(row, traces, replays, packed["certificates"]) for row in packed["findings"]]
 
 
 class _Course:
@@ -68,13 +74,14 @@ class _Course:
 
 
 class _Packing:
-    """The runs and replays packed so far, each with its index in the data."""
+    """The runs and replays packed so far, each with its index in the data, and the certificates by the names of their files."""
 
     def __init__(self, system: TransitionSystem) -> None:
         self.courses: list[_Course] = []
         self._begun: dict[int, int] = {}  # id of a first step -> the number of its course, which holds the step
         self.traces: list[Plain] = []
         self.replays: list[Plain] = []
+        self.certificates: dict[str, str] = {}
         self._names = {
             frozenset(var.name for var in one.inputs): kind
             for kind, one in (("board", without_ghosts(system)), ("whole", system))
@@ -99,6 +106,9 @@ class _Packing:
         for name in _TRACES:
             if values.get(name) is not None:
                 values[name] = self._once(values[name], self.traces, self._trace)
+        if isinstance(result, Proved):  # files of one name have the same content
+            self.certificates.update(result.certificates)
+            values["certificates"] = list(result.certificates)
         return {"kind": type(result).__name__, **{name: _plain(value) for name, value in values.items()}}
 
     def _once(self, thing: Any, among: list[Plain], packed: Any) -> int:
@@ -148,17 +158,20 @@ def _unpacked_steps(rows: Sequence[Any]) -> Iterator[Step]:
         yield Step(*(dict(zip(columns, values, strict=True)) for columns, values in zip(names, row, strict=True)))
 
 
-def _unpacked(row: Plain, traces: Sequence[Trace], replays: Sequence[Replayed]) -> Finding:
-    made = Finding(**{**row, "result": _unpacked_result(row["result"], traces), "replayed": None})
+def _unpacked(
+    row: Plain, traces: Sequence[Trace], replays: Sequence[Replayed], certificates: Mapping[str, str]
+) -> Finding:
+    made = Finding(**{**row, "result": _unpacked_result(row["result"], traces, certificates), "replayed": None})
     replayed = None if row["replayed"] is None else replays[row["replayed"]]
     return replace(made, requirements=tuple(row["requirements"]), truth_mm=tuple(row["truth_mm"]), replayed=replayed)
 
 
-def _unpacked_result(packed: Plain, traces: Sequence[Trace]) -> Result:
+def _unpacked_result(packed: Plain, traces: Sequence[Trace], certificates: Mapping[str, str]) -> Result:
     values = {name: value for name, value in packed.items() if name != "kind"}
     for name in _TRACES:
         if values.get(name) is not None:
             values[name] = traces[values[name]]
     if packed["kind"] == "Proved":
-        return Proved(None, **{**values, "rechecked": tuple(values["rechecked"])})
+        texts = {name: certificates[name] for name in values["certificates"]}
+        return Proved(None, **{**values, "rechecked": tuple(values["rechecked"]), "certificates": texts})
     return _RESULTS[packed["kind"]](**values)

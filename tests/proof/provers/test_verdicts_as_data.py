@@ -15,7 +15,16 @@ from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.proved_base import base, ranges_and_lemmas
-from safeloc.proof.provers.verdicts_as_data import pack, pack_base, pack_term, unpack, unpack_base, unpack_term
+from safeloc.proof.provers.verdicts_as_data import (
+    hold_for_forked,
+    pack,
+    pack_base,
+    pack_term,
+    unpack,
+    unpack_base,
+    unpack_term,
+)
+from safeloc.proof.provers.workers import Task, in_processes
 from tests.examples import EXAMPLES, Example
 from tests.proof.provers.small import LEFT, LEVEL, counter, pair, system
 
@@ -53,6 +62,23 @@ def test_traces_arrive_whole(example: Example) -> None:
     assert arrived.trace is not None
     assert arrived.trace.steps == found.trace.steps
     assert arrived.trace.initial == found.trace.initial
+
+
+def test_certificates_that_both_processes_have_are_sent_by_name() -> None:
+    """What was held before the fork comes back as the very text; a text that only equals it, and all within one process, is sent."""
+    example = EXAMPLES[0]
+    held = "; held"
+    other = "".join([held])
+    hold_for_forked({"a.smt2": held, "b.smt2": held})
+    packed = [pack(Proved(None, "it", 1, (), texts)) for texts in ({"a.smt2": held}, {"b.smt2": other})]
+    assert [list(one[5].values()) for one in packed] == [[held], [held]]
+    work = [
+        lambda texts=texts: pack(Proved(None, "it", 1, (), texts)) for texts in ({"a.smt2": held}, {"c.smt2": held})
+    ]
+    arrived = [data for _, data, _ in in_processes([Task("packs", one, 60.0) for one in work], 1)]
+    assert [list(one[5].values()) for one in arrived] == [[None], [held]]
+    back = [unpack(one, example.system, example.system) for one in arrived]
+    assert [one.certificates for one in back if isinstance(one, Proved)] == [{"a.smt2": held}, {"c.smt2": held}]
 
 
 def test_unknown_arrives_whole() -> None:

@@ -58,3 +58,18 @@ def test_runs_that_part_are_stored_apart(whole: Trace) -> None:
     packed, back = sent([part(whole, 0, 5), other, part(whole, 0, 6)])
     assert [run.steps for run in back] == [whole.steps[:5], other.steps, whole.steps[:6]]
     assert sum(len(rows) - 1 for rows in packed["courses"]) <= 6 + 4 + 6
+
+
+def test_certificates_are_stored_once() -> None:
+    """Two proofs that rest on one text store it once, and each comes back with its own files in their order."""
+    texts = [{"base.smt2": "base" * 100, "one.smt2": "one"}, {"two.smt2": "two", "base.smt2": "base" * 100}]
+    findings = [
+        Finding("it", TARGET.name, "property", "", Proved(None, "1-induction", certificates=each), "", 0.0)
+        for each in texts
+    ]
+    data = json.dumps(pack_findings(findings, TARGET.system))
+    assert data.count("base" * 100) == 1
+    back = [one.result for one in unpack_findings(json.loads(data), TARGET.system)]
+    assert [list(one.certificates.items()) for one in back if isinstance(one, Proved)] == [
+        list(each.items()) for each in texts
+    ]
