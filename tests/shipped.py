@@ -9,7 +9,7 @@ from safeloc.catalogue import ENTRIES, load_target
 from safeloc.target import Target
 
 SMALLEST_FIRST = sorted(ENTRIES, key=lambda name: name != "delocalized")
-"""All names; where one machine stands for all in `make test`, it is the one with the fewest variables."""
+"""All names; where one machine stands for all in `make test`, it is the smallest that reports an interval."""
 
 
 @cache
