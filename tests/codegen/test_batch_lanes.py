@@ -38,6 +38,7 @@ from tests.codegen.test_batch import (
 )
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import first_states, machines, records
+from tests.shipped import SMALLEST_FIRST
 
 pytestmark = needs_compiler
 
@@ -99,7 +100,7 @@ def test_examples_run_as_interpreted(example: Example, tmp_path: Path) -> None:
 
 
 LARGE = ("fibre_area", "localizer", "localizer_sections", "reflector")
-SHIPPED = [pytest.param(name, marks=[pytest.mark.slow] if name in LARGE else []) for name in ENTRIES]
+SHIPPED = [pytest.param(name, marks=[pytest.mark.slow] if name in LARGE else []) for name in SMALLEST_FIRST]
 
 
 @pytest.mark.thorough(ordinary=1)
@@ -358,6 +359,7 @@ def test_steps_without_messages_are_written_apart(tmp_path: Path) -> None:
     assert same_as_numpy(system, compiled(system, tmp_path))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("wrong", [") * 0 == 0) {", ") % 256 == 0) {"], ids=["no message", "the first run's only"])
 def test_a_message_that_is_overlooked_is_noticed(wrong: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """If flags were not looked at, or not those of all runs, messages would be lost, and the comparison tells."""

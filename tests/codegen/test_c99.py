@@ -27,6 +27,7 @@ from safeloc.shipped_machines import ENTRIES
 from tests.codegen.c_folder import exported, make, needs_compiler, replaced, runs_of
 from tests.examples import EXAMPLES, Example
 from tests.random_machines import Record, first_states, machines, streams
+from tests.shipped import SMALLEST_FIRST
 
 pytestmark = needs_compiler
 SLOW_TO_SANITIZE = 60_000  # letters
@@ -95,7 +96,7 @@ def test_examples_pass_their_own_check(example: Example, tmp_path: Path) -> None
 
 
 @pytest.mark.thorough(ordinary=1)
-@pytest.mark.parametrize("name", ENTRIES)
+@pytest.mark.parametrize("name", SMALLEST_FIRST)
 def test_shipped_machines_pass_their_own_check(name: str, tmp_path: Path) -> None:
     """Every shipped machine on the beginnings of recorded, simulated and drawn streams; small ones under sanitizers."""
     entry = ENTRIES[name]

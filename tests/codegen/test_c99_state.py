@@ -135,6 +135,7 @@ def test_all_shipped_machines(name: str, tmp_path: Path) -> None:
     holds_for(name, tmp_path, 400, 12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["sections"])
 def test_ranges_alone_are_not_enough(name: str, tmp_path: Path) -> None:
     """What is proved is needed: with ranges alone, a step from some state that passes leaves them."""

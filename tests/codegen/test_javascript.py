@@ -59,6 +59,7 @@ from tests.codegen.in_node import Node, NodeError, as_json, expected, loaded, ne
 from tests.examples import EXAMPLES, Example
 from tests.explain import pump
 from tests.random_machines import Record, first_states, machines, streams
+from tests.shipped import SMALLEST_FIRST
 
 __all__ = ["node"]
 
@@ -126,7 +127,7 @@ def test_examples_run_as_interpreted(node: Node, example: Example) -> None:
 
 @needs_node
 @pytest.mark.thorough(ordinary=1)
-@pytest.mark.parametrize("name", ENTRIES)
+@pytest.mark.parametrize("name", SMALLEST_FIRST)
 def test_shipped_machines_run_as_interpreted(node: Node, name: str) -> None:
     """Every shipped machine, with its world and on board, on the beginning of a recording and on drawn inputs."""
     entry = ENTRIES[name]
@@ -465,7 +466,7 @@ def test_claims_of_every_kind_are_monitored(node: Node) -> None:
 
 @needs_node
 @pytest.mark.thorough(ordinary=1)
-@pytest.mark.parametrize("name", ENTRIES)
+@pytest.mark.parametrize("name", SMALLEST_FIRST)
 def test_claims_of_shipped_machines_are_monitored(node: Node, name: str) -> None:
     """Also where a drawn run breaks what they assume: such a claim says nothing any more."""
     entry = ENTRIES[name]

@@ -72,6 +72,7 @@ def one_by_one(those: Sequence[Vehicle], routes: Sequence[RouteSet] = ()) -> Map
     return packed(lower(machine(CONFIG)), streams, len(streams[0]))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("number", "routes"),
     [(3, ()), (3, ROUTES), pytest.param(13, ROUTES, marks=[pytest.mark.thorough, needs_compiler])],

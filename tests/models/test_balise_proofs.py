@@ -317,6 +317,7 @@ EDITS: dict[str, tuple[type | ModuleType, str, Callable[..., object], str]] = {
 QUICK = ("search distance ignored",)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "edit", [pytest.param(edit, marks=() if edit in QUICK else pytest.mark.slow) for edit in EDITS]
 )

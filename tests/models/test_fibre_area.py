@@ -101,6 +101,7 @@ def test_a_verified_journey() -> None:
     assert not trace.steps[160].outputs["area.train_1_in_area"]
 
 
+@pytest.mark.thorough
 def test_the_code_locates_and_a_late_record_trusts() -> None:
     """Without a counter's reference both ends find themselves by the code; the record was missing, then it comes."""
     trace = travelled(LATE_RECORD)

@@ -237,6 +237,7 @@ def test_each_course_of_figure_3_is_seen(models: str) -> None:
     assert not any(one["contradicts"] for one in told.outputs)
 
 
+@pytest.mark.thorough
 def test_both_stop_points_of_figure_2_are_met() -> None:
     """Each stop is made in its window, and left on the order to depart."""
     for stream in driven("fig2-fine", "stop_point", vehicle=EXACT):

@@ -22,6 +22,7 @@ LEADS = {
 }
 
 
+@pytest.mark.thorough
 def test_recordings_come_out_the_same(tmp_path: Path) -> None:
     """Written anew they are what ships, byte for byte when unpacked, and each is small."""
     for path in write(tmp_path):

@@ -31,6 +31,7 @@ FAULTS = (
 )  # fmt: skip
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     "number", [3, pytest.param(len(FAULTS) * 2, marks=[pytest.mark.thorough, needs_compiler])], ids=["few", "in C"]
 )

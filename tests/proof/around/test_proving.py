@@ -65,6 +65,7 @@ def test_a_late_value_breaks_a_claim() -> None:
     assert isinstance(six.result, Proved)
 
 
+@pytest.mark.thorough
 def test_losses_and_delays_come_together() -> None:
     """One fix missing and the next two cycles late: eleven cycles without one."""
     [ten, eleven] = around(steady(50), "age_cycles <= 10", "age_cycles <= 11", drop={"fix_mm": 1}, delay={"fix_mm": 2})
