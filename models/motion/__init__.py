@@ -27,6 +27,7 @@ from safeloc.language.rows import Updates, together
 from safeloc.language.units import MM
 from safeloc.models.motion.reported_error import lemmas, with_reported_error
 from safeloc.models.motion.unit_check import UnitCheck, reported_law, unit_check
+from safeloc.models.motion.unmeasured import Unmeasured
 from safeloc.models.motion.world import Surroundings, ghosts, initially, world
 from safeloc.models.vocabulary.error_law import MOST_RATE_PPM, WHEEL, ErrorLaw
 from safeloc.models.vocabulary.measured import ADMITTED, Limits
@@ -47,11 +48,20 @@ class MotionConfig(Config):
     max_speed_mm_s: int = quantity(44_445, "mm/s", 1, 138_889, "[D] 160 km/h")
     max_acceleration_mm_s2: int = quantity(2_500, "mm/s2", 1, 10_000, "[M] 2.5 m/s2 with track brake")
     measuring_step_mm: int = quantity(14, "mm", 0, 10_000, "[S] 100 pulses a turn: 13.4 mm")
+    between_pulses_mm: int = quantity(
+        20,
+        "mm",
+        0,
+        10_000,
+        "[D] the farthest that a vehicle gets between two pulses: 13.4 mm, while the wheel slides by a third",
+    )
     standing_believed: bool = Field(
         default=True,
-        description="the vehicle counts as standing where the odometer measures nothing and the check unit no more than its floor",
+        description="the vehicle counts as standing, and stays between two pulses of the odometer, where the odometer measures nothing and the check unit no more than its floor",
     )
-    creep_mm_s: int = quantity(0, "mm/s", 0, 10_000, "[M] 0: a vehicle that counts as standing does not creep")
+    creep_mm_s: int = quantity(
+        0, "mm/s", 0, 10_000, "[M] 0: a vehicle that counts as standing does not creep on past the next pulse"
+    )
     gap_limit_cycles: int = quantity(5, "cycles", 0, 1_000, "[D] 0.5 s without any distance")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
 
@@ -63,6 +73,11 @@ class MotionConfig(Config):
             raise ValueError(
                 f"creep_mm_s is {self.creep_mm_s}, but standing_believed is false: a creep is added only to a vehicle that counts "
                 "as standing; leave one of them out."
+            )
+        if self.standing_believed and self.between_pulses_mm < self.measuring_step_mm:
+            raise ValueError(
+                f"between_pulses_mm is {self.between_pulses_mm}, less than measuring_step_mm {self.measuring_step_mm}: an odometer "
+                "that measures nothing misses up to one step; state at least that, or set standing_believed to false."
             )
         for name, law in (("odometer", self.odometer), ("check", self.check)):
             if law.drift_mm_s2:
@@ -77,7 +92,11 @@ class MotionConfig(Config):
     @property
     def reported_law(self) -> ErrorLaw:
         """The error law of the reported distance, without the error that is reported beyond it."""
-        return self.odometer if self.check is None else reported_law(self.odometer, self.check, self.band_mm)
+        return (
+            self.odometer
+            if self.check is None
+            else reported_law(self.odometer, self.check, self.band_mm, self.unmeasured)
+        )
 
     @property
     def physics(self) -> Physics:
@@ -85,9 +104,9 @@ class MotionConfig(Config):
         return Physics.of(self)
 
     @property
-    def creep(self) -> int | None:
-        """The fastest creep of a vehicle that counts as standing, mm/s; None where none counts as standing."""
-        return self.creep_mm_s if self.standing_believed else None
+    def unmeasured(self) -> Unmeasured | None:
+        """What a vehicle may run that counts as standing; None where none counts as standing."""
+        return Unmeasured(self.creep_mm_s, self.between_pulses_mm) if self.standing_believed else None
 
     @property
     def limits(self) -> Limits:
@@ -110,16 +129,17 @@ class Parts:
         self.odometer = odometer(config.odometer, limits).declare(declared)
         self.check = None
         if check is not None:
-            self.check = unit_check(declared, self.odometer, check, config.band_mm, config.creep)
+            self.check = unit_check(declared, self.odometer, check, config.band_mm, config.unmeasured)
         self.distance = declared.state(number("distance_mm", MM, -farthest, farthest), first=0)
         laws = None if check is None else (config.odometer, check)
-        self.ghosts = ghosts(declared, config.physics, config.position_limit_mm, laws, config.reported_law)
+        line, reported = config.position_limit_mm, config.reported_law
+        self.ghosts = ghosts(declared, config.physics, line, laws, reported, config.unmeasured)
 
     @property
     def around(self) -> Surroundings:
         """The ghosts with the inputs and figures that the world reads."""
         check = None if self.check is None else self.check.unit
-        return Surroundings(self.ghosts, self.config.physics, self.odometer, check, self.config.creep)
+        return Surroundings(self.ghosts, self.config.physics, self.odometer, check, self.config.unmeasured)
 
     @property
     def reported(self) -> Bool:
@@ -176,8 +196,8 @@ def build(own: Parts) -> Motion:
         doc=(
             "The vehicle's odometer, which reports only distances that the vehicle can have run, and the true movement: no "
             "faster than the highest speed, and on the line. With a check unit one of the two units, unknown which, is assumed to "
-            "keep its law; and, unless configured otherwise, the vehicle is assumed to stand where the odometer measures nothing "
-            "and the check unit no more than its floor; each distance comes with its error bound. Without a check unit the "
+            "keep its law; and, unless configured otherwise, the vehicle is assumed to stay between two pulses where the odometer "
+            "measures nothing and the check unit no more than its floor; each distance comes with its error bound. Without a check unit the "
             "machines that use the distance assume its error law."
         ),
     )

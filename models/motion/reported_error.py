@@ -1,7 +1,7 @@
 """The error of the distance that motion reports: a figure for the machines that use it, beside the world and not part of it.
 
 The reported distance lies between those of both units, and the difference that the machine has not yet added to its error
-bound (`apart`) is part of its one-off error. So this error follows the machine. It is _DEFINED here from the true error of the
+bound (`apart`) is part of its one-off error, as is the place between two pulses of a vehicle that stands. So this error follows the machine. It is _DEFINED here from the true error of the
 lawful unit: the clause excludes no course of the world, and the law that the users assume of the distance is proved from it.
 """
 
@@ -23,9 +23,10 @@ def with_reported_error(world: World, own: Surroundings, check: UnitCheck) -> Wo
     seen = own.ghosts.units
     assert seen is not None
     law = Law(
-        seen.next_reported.eq(own.wander_after + _not_yet_added(seen, check.apart_after)),
+        seen.next_reported.eq(own.wander_after + _not_yet_added(seen, check.apart_after, own.between_pulses_after)),
         "The one-off error of the reported run is that of the lawful unit. If the check unit is the lawful one, the difference "
-        "of both units that the machine has not yet added to its error bound counts as well. A definition: it excludes nothing.",
+        "of both units that the machine has not yet added to its error bound counts as well, and the place between two pulses "
+        "at which the vehicle stands or last stood. A definition: it excludes nothing.",
         source="[D] a definition",
         owner="nobody",
         shares="it defines the error of what the machine tells, and so says what the machine has not added to the error yet",
@@ -42,7 +43,7 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
     """Return the lemmas: the reported distance errs as defined, and the machine checks distances as the world does."""
     seen = own.ghosts.units
     assert seen is not None
-    found = {_DEFINED: seen.reported.eq(seen.wander + _not_yet_added(seen, check.apart))}
+    found = {_DEFINED: seen.reported.eq(seen.wander + _not_yet_added(seen, check.apart, own.between_pulses))}
     for unit, ghosts in ((check.odometer, seen.odometer), (check.unit, seen.check)):
         found[f"machine and world agree on the last distance of {unit.measured.value.name}"] = unit.gap.eq(
             ghosts.silent
@@ -50,5 +51,5 @@ def lemmas(own: Surroundings, check: UnitCheck) -> dict[str, Bool]:
     return found
 
 
-def _not_yet_added(seen: CheckGhosts, apart: Num) -> Num:
-    return ite(seen.lawful_unit.eq(ODOMETER_LAWFUL), as_num(0, NM), apart)
+def _not_yet_added(seen: CheckGhosts, apart: Num, between_pulses: Num) -> Num:
+    return ite(seen.lawful_unit.eq(ODOMETER_LAWFUL), as_num(0, NM), apart + between_pulses)

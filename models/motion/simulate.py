@@ -18,7 +18,7 @@ from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion, Motions
 from safeloc.simulation.physics.conditions import Conditions, Wheel
-from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander
+from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander, wander_within
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
@@ -39,12 +39,14 @@ def _on_board(config: str, libraries: Path | None) -> Stepped:
 class LawfulUnit:
     """The unit that keeps its law, which the world may choose: by hindsight, the one whose laws hold for longer.
 
-    is_check   whether it is the check unit, array [vehicle]
-    wander_nm  its one-off error after each cycle, as the odometer's
+    is_check           whether it is the check unit, array [vehicle]
+    wander_nm          its one-off error after each cycle, as the odometer's
+    between_pulses_nm  the place between two pulses at which the vehicle last stood, after each cycle
     """
 
     is_check: NDArray[np.bool_]
     wander_nm: NDArray[np.int64]
+    between_pulses_nm: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,7 @@ def measured_by(
     """Return the distances of both units along a drive; `name` and `faults` are those of the odometer."""
     odometer = measure(name, motion, config.odometer, rng, faults=faults)
     check = None if config.check is None else measure("check", motion, config.check, rng)
-    lawful = LawfulUnit(np.zeros(1, dtype=np.bool_), odometer.wander_nm)
-    return Measured(odometer, check, reported(config, odometer, check), lawful)
+    return Measured(odometer, check, reported(config, odometer, check), _odometer_lawful(odometer.wander_nm, 1))
 
 
 def measured_by_many(
@@ -89,28 +90,51 @@ def measured_by_many(
         wheel = Wheel(name, name, config.odometer, config.physics, config.period_ms)
         odometer = met.measured(wheel, odometer, faults)
     check = None if config.check is None else _measured("check", config.check, motions, seeds, [()] * len(seeds))
-    lawful = LawfulUnit(np.zeros(len(seeds), dtype=np.bool_), odometer.wander_nm)
+    lawful = _odometer_lawful(odometer.wander_nm, len(seeds))
     if met is not None and met.by_physics.any() and check is not None:
         lawful = _by_hindsight(config, met, odometer, check)
     return Measured(odometer, check, _reported(config, odometer, check, lawful, libraries), lawful)
 
 
+def _odometer_lawful(wander_nm: NDArray[np.int64], vehicles: int) -> LawfulUnit:
+    return LawfulUnit(np.zeros(vehicles, dtype=np.bool_), wander_nm, np.zeros_like(wander_nm))
+
+
 def _by_hindsight(config: MotionConfig, met: Conditions, odometer: Distances, check: Distances) -> LawfulUnit:
     """Return the lawful unit of vehicles: the check unit, with a wander that explains it, where its laws hold for longer than the odometer's.
 
-    Where the check unit is the lawful one, a vehicle that counts as standing has to stand, and the wander rests there.
+    Where the check unit is the lawful one, a vehicle that counts as standing has to stay between two pulses, and the wander rests there.
     """
     assert config.check is not None
     of_odometer, of_check = (can_be_run(one.distance_mm, one.present, config.physics) for one in (odometer, check))
     _, broken = lawful_wander(met.true_nm, odometer.distance_mm, of_odometer, config.odometer, config.period_ms)
     still = np.zeros(of_check.shape, dtype=np.bool_)
-    if config.creep is not None:
+    if config.unmeasured is not None:
         floor = config.check.floor_mm_s * config.period_ms // 1_000
         still = of_odometer & of_check & (odometer.distance_mm == 0) & (np.abs(check.distance_mm) <= floor)
     wander, unlawful = lawful_wander(met.true_nm, check.distance_mm, of_check & ~still, config.check, config.period_ms)
-    creeps = still & (np.abs(met.true_nm) > (config.creep or 0) * config.period_ms * 1_000)
+    place, creeps = _between_pulses(config, met.true_nm, still)
     is_check = met.by_physics & (first_breach(unlawful | creeps) > first_breach(broken))
-    return LawfulUnit(is_check, np.where(is_check, wander, odometer.wander_nm))
+    return LawfulUnit(is_check, np.where(is_check, wander, odometer.wander_nm), np.where(is_check, place, 0))
+
+
+def _between_pulses(
+    config: MotionConfig, true_nm: NDArray[np.int64], still: NDArray[np.bool_]
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the place between two pulses of vehicles that count as standing, where they do not as they last stood; and where there is none.
+
+    It is anywhere when a stop begins.
+    """
+    if config.unmeasured is None:
+        return np.zeros_like(true_nm), np.zeros_like(still)
+    whole = config.unmeasured.between_pulses_nm
+    slack = np.where(still, config.unmeasured.creep_nm(config.period_ms), whole)
+    before = np.zeros((1, true_nm.shape[1]), dtype=np.int64)
+    off, slack = np.vstack([before, np.where(still, true_nm, 0)]), np.vstack([before + whole, slack])
+    place, none = (found[1:] for found in wander_within(off, slack, whole // 2))
+    numbers = np.arange(1, len(still) + 1)[:, None]
+    last = np.maximum.accumulate(np.where(still, numbers, 0), axis=0)
+    return np.take_along_axis(np.vstack([before, place]), last, axis=0), none
 
 
 def _measured(
@@ -126,7 +150,7 @@ def reported(config: MotionConfig, odometer: Distances, check: Distances | None)
     """Return the distances that motion reports; without a check unit, those that the odometer measured."""
     if check is None:
         return odometer
-    lawful = LawfulUnit(np.zeros(1, dtype=np.bool_), odometer.as_column.wander_nm)
+    lawful = _odometer_lawful(odometer.as_column.wander_nm, 1)
     return _reported(config, odometer.as_column, check.as_column, lawful, None).of(0)
 
 
@@ -141,5 +165,5 @@ def _reported(
         inputs[name], inputs[f"{name}.present"] = np.where(unit.present, unit.distance_mm, 0), unit.present
     told = code.through(through_border(code.system, inputs)[0])
     step, present, more = (told[name] for name in _TOLD)
-    wander = lawful.wander_nm + np.where(lawful.is_check, told[_APART], 0)
+    wander = lawful.wander_nm + np.where(lawful.is_check, told[_APART] + lawful.between_pulses_nm, 0)
     return replace(odometer, distance_mm=step, present=present, wander_nm=wander, more_nm=more)

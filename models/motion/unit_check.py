@@ -14,8 +14,9 @@ added errors together cover the error. There is no threshold: units that agree c
 distance it misses.
 
 A distance without its check is not reported. While the odometer measures nothing and the check unit no more than its floor,
-the vehicle counts as standing, and only its possible creep is added. If standing is not believed (`standing_believed`), such a
-cycle counts as any other.
+the vehicle counts as standing. It may still run on to the next pulse, in all cycles of the stop together: that is added in its
+first cycle, and once to the constant, since a run may begin within the stop. Beyond that only its possible creep is added in each cycle.
+If standing is not believed (`standing_believed`), such a cycle counts as any other.
 """
 
 from __future__ import annotations
@@ -31,7 +32,6 @@ from safeloc.language.expr import (
     Num,
     NumVar,
     abs_,
-    all_of,
     as_num,
     between,
     boolean,
@@ -44,14 +44,19 @@ from safeloc.language.expr import (
     with_unit,
 )
 from safeloc.language.units import COUNT, MM, MS, NM, NM_PER_MM
+from safeloc.models.motion.unmeasured import Unmeasured
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.odometer import Odometer, most_further_error_nm
 from safeloc.models.vocabulary.odometer import odometer as measuring_unit
 
 
-def reported_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
-    """Return the law of the reported distances, without the error reported beyond it: its constant covers either unit and the band."""
-    constant = max(odometer.constant_mm, check.constant_mm + 2 * band_mm)
+def reported_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int, unmeasured: Unmeasured | None) -> ErrorLaw:
+    """Return the law of the reported distances, without the error reported beyond it.
+
+    Its constant covers either unit, the band, and the run between two pulses of a vehicle that counts as standing.
+    """
+    between_pulses_mm = 0 if unmeasured is None else unmeasured.between_pulses_mm
+    constant = max(odometer.constant_mm, check.constant_mm + 2 * band_mm + between_pulses_mm)
     return ErrorLaw.model_validate(odometer.model_dump() | {"constant_mm": constant})
 
 
@@ -59,7 +64,7 @@ def reported_law(odometer: ErrorLaw, check: ErrorLaw, band_mm: int) -> ErrorLaw:
 class UnitCheck:
     """The odometer, the unit that checks it, and the reported distance.
 
-    creep_nm    the fastest creep of a vehicle that counts as standing, nm a cycle; None: no vehicle counts as standing
+    unmeasured  what a vehicle may run that counts as standing; None: no vehicle counts as standing
     apart       the difference of both units that has not been added to the error bound, nm
     reported, more  the last cycle's distance is reported, and the error to add beyond the odometer's law, nm
     unreported     cycles since a distance was reported
@@ -68,7 +73,7 @@ class UnitCheck:
     odometer: Odometer
     unit: Odometer
     band_nm: int
-    creep_nm: int | None
+    unmeasured: Unmeasured | None
     apart: NumVar
     reported: BoolVar
     more: NumVar
@@ -82,12 +87,19 @@ class UnitCheck:
     @cached_property
     def standing(self) -> Bool:
         """The vehicle counts as standing: the odometer measures nothing, and the check unit no more than its floor."""
-        if self.creep_nm is None:
+        if self.unmeasured is None:
             return FALSE
+        return self.checked & self._nothing(self.odometer.measured.value, self.unit.measured.value)
+
+    @cached_property
+    def stood(self) -> Bool:
+        """The vehicle counted as standing in the cycle before."""
+        both = self.odometer.gap.eq(0) & self.unit.gap.eq(0)
+        return both & self._nothing(self.odometer.last, self.unit.last)
+
+    def _nothing(self, distance: Num, check_distance: Num) -> Bool:
         still = self.unit.law.floor_mm_s * self.unit.limits.period_ms // 1_000
-        return all_of(
-            [self.checked, self.odometer.measured.value.eq(0), between(-still, self.unit.measured.value, still)]
-        )
+        return distance.eq(0) & between(-still, check_distance, still)
 
     @cached_property
     def difference(self) -> Num:
@@ -152,8 +164,16 @@ class UnitCheck:
         shift = exact_to(self.shift, NM)
         either = maximum(self.odometer.most_error + abs_(shift), self.unit.most_error + abs_(self._settled - shift))
         law = self.odometer.law.growth_nm(abs_(self.distance), as_num(0, MS), self.odometer.limits.period_ms)
-        run = ite(self.standing, as_num(self.creep_nm or 0, NM), maximum(either - law, 0))
+        run = ite(self.standing, self._uncounted, maximum(either - law, 0))
         return ite(self.checked, run, maximum(self._alone(self.odometer), self._alone(self.unit)))
+
+    @cached_property
+    def _uncounted(self) -> Num:
+        """Error to add in a cycle of standing, nm: the creep, and what is between two pulses once, in the first of these cycles."""
+        if self.unmeasured is None:
+            return as_num(0, NM)
+        creep = as_num(self.unmeasured.creep_nm(self.unit.limits.period_ms), NM)
+        return ite(self.stood, creep, creep + self.unmeasured.between_pulses_nm)
 
     def _alone(self, one: Odometer) -> Num:
         """Error beyond the highest speed, nm, if this unit's unchecked distance and its law imply a farther run."""
@@ -167,16 +187,15 @@ class UnitCheck:
 
 
 def unit_check(
-    declared: Declared, odometer: Odometer, law: ErrorLaw, band_mm: int, creep_mm_s: int | None
+    declared: Declared, odometer: Odometer, law: ErrorLaw, band_mm: int, unmeasured: Unmeasured | None
 ) -> UnitCheck:
-    """Declare the variables of a check by a unit of that law; `creep_mm_s`: of a standing vehicle, None where standing is not believed."""
+    """Declare the variables of a check by a unit of that law; `unmeasured`: of a standing vehicle, None where standing is not believed."""
     limits, band = odometer.limits, band_mm * NM_PER_MM
-    creep = None if creep_mm_s is None else creep_mm_s * limits.period_ms * (NM_PER_MM // 1_000)
     return UnitCheck(
         odometer,
         measuring_unit(law, limits, "check").declare(declared),
         band,
-        creep,
+        unmeasured,
         apart=declared.state(number("units_apart_nm", NM, -band, band), first=0),
         reported=declared.state(boolean("distance_reported"), first=False),
         more=declared.state(

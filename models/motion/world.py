@@ -3,8 +3,8 @@
     the lawful unit   delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing; it is
                       unknown which of the two units this is
     the other unit    delivers anything
-    standing          where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or
-                      creeps no faster than configured; by configuration no such law holds
+    standing          where the odometer measures nothing and the check unit no more than its floor, the vehicle stays between
+                      two pulses of the odometer, or creeps on no faster than configured; by configuration no such law holds
 
 Without a check unit this world assumes nothing of the odometer: the machines that use its distances assume its law.
 """
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
 from safeloc.language.expr import (
+    FALSE,
     Bool,
     Expr,
     Num,
@@ -32,6 +33,7 @@ from safeloc.language.expr import (
 from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.language.world import Law, World
+from safeloc.models.motion.unmeasured import Unmeasured
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.measuring_world import THOUSAND, Measuring, Physics
 from safeloc.models.vocabulary.odometer import Odometer
@@ -39,6 +41,7 @@ from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, SPEED, line_law
 
 LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
 ODOMETER_LAWFUL, CHECK_LAWFUL = LAWFUL
+STAYS = "a vehicle that measures nothing stays between two pulses"
 _FIELDS = ("odometer", "check")
 """Fields of the configuration with the figures of both units, in their order."""
 _OF_A_UNIT = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s")
@@ -53,6 +56,17 @@ class UnitGhosts:
 
 
 @dataclass(frozen=True, eq=False)
+class BetweenPulses:
+    """The place between two pulses of the odometer at which the vehicle stands or last stood, nm from their middle.
+
+    It is followed while the vehicle counts as standing; at the beginning of a stop it is anywhere between the pulses.
+    """
+
+    place: NumVar
+    next_place: NumVar
+
+
+@dataclass(frozen=True, eq=False)
 class CheckGhosts:
     """Ghosts of two units that check each other.
 
@@ -60,6 +74,7 @@ class CheckGhosts:
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
     reported, next_reported    the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
     odometer, check            the distances of either unit
+    between_pulses             where a vehicle stands that counts as standing; None where none does
     """
 
     lawful_unit: NumVar
@@ -69,6 +84,7 @@ class CheckGhosts:
     next_reported: NumVar
     odometer: UnitGhosts
     check: UnitGhosts
+    between_pulses: BetweenPulses | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,18 +97,29 @@ class Ghosts:
 
 
 def ghosts(
-    declared: Declared, physics: Physics, line_mm: int, laws: tuple[ErrorLaw, ErrorLaw] | None, reported: ErrorLaw
+    declared: Declared,
+    physics: Physics,
+    line_mm: int,
+    laws: tuple[ErrorLaw, ErrorLaw] | None,
+    reported: ErrorLaw,
+    unmeasured: Unmeasured | None,
 ) -> Ghosts:
     """Declare the world's variables; `laws` are those of odometer and check unit, if there is one."""
     line = line_mm * NM_PER_MM
     return Ghosts(
         declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
         declared.choice(number("true_cycle_distance_nm", NM, -physics.farthest_nm, physics.farthest_nm)),
-        None if laws is None else _units(declared, physics, laws, reported),
+        None if laws is None else _units(declared, physics, laws, reported, unmeasured),
     )
 
 
-def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw], reported: ErrorLaw) -> CheckGhosts:
+def _units(
+    declared: Declared,
+    physics: Physics,
+    laws: tuple[ErrorLaw, ErrorLaw],
+    reported: ErrorLaw,
+    unmeasured: Unmeasured | None,
+) -> CheckGhosts:
     most, of_reported = (
         max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [reported.constant_mm])
     )
@@ -104,6 +131,15 @@ def _units(declared: Declared, physics: Physics, laws: tuple[ErrorLaw, ErrorLaw]
         check=_unit(declared, physics, "check"),
         reported=declared.ghost(number("odometer_wander_nm", NM, -of_reported, of_reported), first=ANY),
         next_reported=declared.choice(number("odometer_next_wander_nm", NM, -of_reported, of_reported)),
+        between_pulses=None if unmeasured is None else _between_pulses(declared, unmeasured),
+    )
+
+
+def _between_pulses(declared: Declared, unmeasured: Unmeasured) -> BetweenPulses:
+    half = unmeasured.between_pulses_nm // 2
+    return BetweenPulses(
+        declared.ghost(number("between_pulses_nm", NM, -half, half), first=0),
+        declared.choice(number("next_between_pulses_nm", NM, -half, half)),
     )
 
 
@@ -120,14 +156,14 @@ def _unit(declared: Declared, physics: Physics, name: str) -> UnitGhosts:
 class Surroundings:
     """The ghosts with the raw inputs and figures that the world reads.
 
-    `creep_mm_s`: the fastest creep of a vehicle whose units measure nothing; None where no law holds of that.
+    `unmeasured`: what a vehicle may run whose units measure nothing; None where no law holds of that.
     """
 
     ghosts: Ghosts
     physics: Physics
     odometer: Odometer
     check: Odometer | None
-    creep_mm_s: int | None
+    unmeasured: Unmeasured | None
 
     @property
     def units(self) -> tuple[Measuring, Measuring]:
@@ -150,6 +186,38 @@ class Surroundings:
         measures = ite(seen.lawful_unit.eq(ODOMETER_LAWFUL), odometer.can_be_run, check.can_be_run)
         return ite(measures, seen.next_wander, seen.wander)
 
+    @property
+    def still(self) -> Bool:
+        """The odometer measures nothing, and the check unit no more than its floor; where such a vehicle counts as standing."""
+        if self.unmeasured is None:
+            return FALSE
+        odometer, check = self.units
+        within = self._within_floor(check.measured.value)
+        return all_of([odometer.can_be_run, check.can_be_run, odometer.measured.value.eq(0), within])
+
+    @property
+    def was_still(self) -> Bool:
+        """The same of the cycle before."""
+        odometer, check = self.units
+        heard = odometer.silent.eq(0) & check.silent.eq(0)
+        return all_of([heard, odometer.last_delivered.eq(0), self._within_floor(check.last_delivered)])
+
+    def _within_floor(self, distance: Num) -> Bool:
+        floor = self.units[1].law.floor_mm_s * self.physics.period_ms // THOUSAND
+        return (distance <= floor) & (distance >= -floor)
+
+    @property
+    def between_pulses(self) -> Num:
+        """The place between two pulses at which the vehicle last stood, nm; 0 where none counts as standing."""
+        place = None if self.ghosts.units is None else self.ghosts.units.between_pulses
+        return as_num(0, NM) if place is None else place.place
+
+    @property
+    def between_pulses_after(self) -> Num:
+        """The same after the cycle."""
+        place = None if self.ghosts.units is None else self.ghosts.units.between_pulses
+        return as_num(0, NM) if place is None else ite(self.still, place.next_place, place.place)
+
 
 def world(declared: Declared, own: Surroundings) -> World:
     """Make the world: the true movement, and the laws of the vehicle and of the lawful unit."""
@@ -160,6 +228,8 @@ def world(declared: Declared, own: Surroundings) -> World:
         moves |= {seen.units.lawful_unit: seen.units.lawful_unit, seen.units.wander: own.wander_after}
         for unit in own.units:
             moves |= unit.moves()
+        if seen.units.between_pulses is not None:
+            moves[seen.units.between_pulses.place] = own.between_pulses_after
         laws |= _unit_laws(own, seen.units)
     return declared.world(moves, laws)
 
@@ -197,17 +267,18 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
         f"the {name}, if it is the lawful unit, obeys its error law": _keeps(own, seen, unit, lawful, name, field)
         for name, unit, lawful, field in zip(("odometer", "check unit"), own.units, LAWFUL, _FIELDS, strict=True)
     }
-    if own.creep_mm_s is None:
+    if own.unmeasured is None or seen.between_pulses is None:
         return laws
-    return {**laws, "a vehicle that measures nothing stands": _standing(own, seen, own.creep_mm_s)}
+    return {**laws, STAYS: _standing(own, seen, own.unmeasured, seen.between_pulses)}
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str, field: str) -> Law:
     error = unit.error(own.ghosts.true_cycle_distance, seen.wander, seen.next_wander)
     half = _half(own, lawful)
     kept = unit.allows(error) & between(-half, seen.next_wander, half)
+    judged = unit.can_be_run if lawful is ODOMETER_LAWFUL else unit.can_be_run & ~own.still
     return Law(
-        (seen.lawful_unit.eq(lawful) & unit.can_be_run).implies(kept),  # type: ignore[arg-type]
+        (seen.lawful_unit.eq(lawful) & judged).implies(kept),  # type: ignore[arg-type]
         f"One unit keeps its law for good, nobody knows which. Where it is the {name}: what it measures in a cycle is wrong by "
         "no more than rate and floor of the MEASURED distance allow, and by the change of a one-off part within half its "
         "constant; or no vehicle can have run it.",
@@ -218,20 +289,22 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
     )
 
 
-def _standing(own: Surroundings, seen: CheckGhosts, creep_mm_s: int) -> Law:
-    odometer, check = own.units
-    floor = check.law.floor_mm_s * own.physics.period_ms // THOUSAND
-    nothing = all_of([odometer.can_be_run, check.can_be_run, odometer.measured.value.eq(0)])
-    still = nothing & (check.measured.value <= floor) & (check.measured.value >= -floor)
-    creep = creep_mm_s * own.physics.period_ms * (NM_PER_MM // THOUSAND)
-    stands = between(-creep, own.ghosts.true_cycle_distance, creep) & seen.next_wander.eq(seen.wander)
+def _standing(own: Surroundings, seen: CheckGhosts, unmeasured: Unmeasured, pulses: BetweenPulses) -> Law:
+    creep, half = unmeasured.creep_nm(own.physics.period_ms), unmeasured.between_pulses_nm // 2
+    ran = own.ghosts.true_cycle_distance - pulses.next_place
+    goes_on = between(-creep, ran + pulses.place, creep)
+    begins = between(-creep - half, ran, creep + half)
+    stays = (own.was_still.implies(goes_on)) & (own.was_still | begins) & seen.next_wander.eq(seen.wander)
     return Law(
-        (still & seen.lawful_unit.eq(CHECK_LAWFUL)).implies(stands),
-        "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stands, or creeps no faster "
-        "than configured, even if the odometer is the unit that may fail: a vehicle that creeps faster with a locked wheel, and "
-        "slower than the floor (2 km/h for a radar), breaks this law, and no error is added for what it creeps beyond.",
-        ("check.floor_mm_s", "creep_mm_s"),
-        "[M] a wheel that stands while the vehicle creeps for long is noticed by brake and wheel slide protection",
+        (own.still & seen.lawful_unit.eq(CHECK_LAWFUL)).implies(stays),
+        "Where the odometer measures nothing and the check unit no more than its floor, the vehicle stays between two pulses of the "
+        "odometer: in all such cycles that follow each other it gets no farther than between_pulses_mm, or creeps on no faster than "
+        "configured, even if the odometer is the unit that may fail. The check unit's one-off error rests, and its law is not "
+        "asked for. A vehicle that creeps on with a locked wheel, slower than the floor (2 km/h for a radar), breaks this law, and "
+        "no error is added for what it creeps beyond.",
+        ("check.floor_mm_s", "between_pulses_mm", "creep_mm_s"),
+        "[S] 100 pulses a turn: 13.4 mm; [M] a wheel that stands while the vehicle creeps for long is noticed by brake and wheel "
+        "slide protection",
         "supplier",
         "wheel slide protection; cold movement detection while parked",
     )

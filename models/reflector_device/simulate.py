@@ -187,6 +187,8 @@ class _Run:
         names = ("balise.odometer_next_wander_nm", "reflector.next_wander_nm")
         if measured.check is not None:
             names = ("odometer_next_wander_nm", "motion.lawful_next_wander_nm")
+            if self._config.motion.unmeasured is not None:
+                step["motion.next_between_pulses_nm"] = 0
         return step | dict.fromkeys(names, wander)
 
     def _reflectors(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:

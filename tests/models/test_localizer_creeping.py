@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from safeloc.campaign.judged import judge_of
 from safeloc.language.units import NM_PER_MM
@@ -37,12 +38,20 @@ def test_a_checked_distance_may_point_the_other_way_where_a_vehicle_creeps() -> 
     assert found.told.any() and not (found.told & (found.margin_nm < 0)).any()
 
 
-def test_a_sliding_wheel_beside_a_good_radar_breaks_no_law() -> None:
-    """One unit keeps its law, nobody knows which: by hindsight the radar. The balises' laws of the checked distance hold as well."""
+def _doubting() -> LocalizerConfig:
     motion = CONFIG.motion.model_copy(update={"standing_believed": False})
-    config = LocalizerConfig(sources=("balise",), motion=motion)
+    balise = CONFIG.balise.model_copy(update={"odometer": motion.reported_law})
+    return LocalizerConfig(sources=("balise",), motion=motion, balise=balise)
+
+
+@pytest.mark.parametrize("config", [CONFIG, _doubting()], ids=["standing believed", "standing not believed"])
+def test_a_sliding_wheel_beside_a_good_radar_breaks_no_law(config: LocalizerConfig) -> None:
+    """One unit keeps its law, nobody knows which: by hindsight the radar. The balises' laws of the checked distance hold as well.
+
+    The wheel measures nothing while the vehicle runs to its next pulse at each start and stop: that is within the law of standing.
+    """
     journey = Journey(
-        legs=[Leg(0, 2), Leg(25_000, 38), Leg(0, 20)],
+        legs=[Leg(0, 2), Leg(25_000, 38), Leg(0, 20), Leg(100, 10)],
         groups=[Group(number, number * 60_000) for number in range(1, 12)],
         physics={"adhesion": 0.05, "adhesion_spread": 0.0},
     )
@@ -53,6 +62,8 @@ def test_a_sliding_wheel_beside_a_good_radar_breaks_no_law() -> None:
     found = judge.outcome(ManyRuns(runs.inputs, {**first_but_speed(config, journey), **runs.first}))
     assert np.array_equal(runs.first["motion.lawful_unit"], [CHECK_LAWFUL.value] * 3)
     assert [] == [name for name, held in zip(judge.clauses, found.held, strict=True) if not held.all()]
+    unmeasured = runs.inputs["motion.odometer_mm.present"] & (runs.inputs["motion.odometer_mm"] == 0)
+    assert (np.abs(runs.inputs["true_cycle_distance_nm"])[unmeasured] > 5 * NM_PER_MM).any()
     off_mm = np.abs(np.cumsum(runs.inputs["motion.odometer_mm"], axis=0) - vehicles.motions.position_nm / NM_PER_MM)
     assert (off_mm.max(axis=0) > 5_000).all()
     assert not (found.told & (found.margin_nm < 0)).any()

@@ -62,7 +62,8 @@ NOT_BELIEVED = CHECKED.model_copy(update={"standing_believed": False})
 
 def _with(motion: MotionConfig) -> Localizer:
     """A vehicle that is located by balises, with that motion."""
-    return compose_machines(LocalizerConfig(sources=("balise",), motion=motion))
+    balise = BaliseConfig(odometer=motion.reported_law, checked_distance=True, tolerance_mm=45_000)
+    return compose_machines(LocalizerConfig(sources=("balise",), motion=motion, balise=balise))
 
 
 @pytest.mark.parametrize("motion", [CREEPS, NOT_BELIEVED])
@@ -73,20 +74,47 @@ def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConf
     assert not known.refuted
 
 
+BETWEEN_NM = CHECKED.between_pulses_mm * 1_000_000
+
+
 @pytest.mark.thorough
-def test_a_creep_is_added_to_the_last_unit() -> None:
-    """One nm less in a cycle that adds the creep alone: to be discharged, and not kept."""
-    whole = _with(CREEPS)
+@pytest.mark.parametrize(
+    ("motion", "added_nm"), [(CHECKED, BETWEEN_NM), (CREEPS, 50_000_000), (CREEPS, 50_000_000 + BETWEEN_NM)]
+)
+def test_what_a_standing_vehicle_may_run_is_added_to_the_last_unit(motion: MotionConfig, added_nm: int) -> None:
+    """One nm less in a cycle that adds the run to the next pulse, the creep, or both: to be discharged, and not kept."""
+    whole = _with(motion)
     added = whole.motion.machine.output("more_nm")
     assert isinstance(added, Num)
-    one_less = ite(added.eq(CREEPS.creep_mm_s * 100_000), added - 1, added)
+    one_less = ite(added.eq(added_nm), added - 1, added)
     assert "contract of balise holds" in names(base(one_user(whole, {"odometer_more_nm": one_less})).refuted)
+
+
+def test_stops_of_one_pulse_each_are_covered_by_what_is_added_for_them() -> None:
+    """A radar at the end of its law, and stops between which the wheel turns by a pulse: 20 mm each are missing, and 20 mm are added."""
+    stops = 400
+    run, zero = np.tile([0, 14], stops), np.zeros(2 * stops, dtype=np.int64)
+    odometer = Distances("odometer", run, np.ones(len(run), dtype=np.bool_), zero)
+    said = reported(CHECKED, odometer, replace(odometer, name="check"))
+    assert said.more_nm is not None and said.more_nm.tolist()[::2] == [BETWEEN_NM] * stops
+    true_nm = np.tile([BETWEEN_NM, 14_000_000 + 55_600_000], stops)
+    drive = Drive(100, np.cumsum(true_nm), true_nm / 100_000, 0)
+    assert uncovered_nm(said, drive) <= BETWEEN_NM
+    without = replace(said, more_nm=np.where(run == 0, 0, said.more_nm))
+    assert uncovered_nm(without, drive) > CHECKED.reported_law.constant_mm * 1_000_000
+
+
+def test_a_step_of_the_odometer_that_no_figure_covers_is_refused() -> None:
+    """A vehicle that stands between two pulses may run one step unmeasured; who believes in no standstill need not say so."""
+    with pytest.raises(ValidationError, match="between_pulses_mm is 20, less than measuring_step_mm 30"):
+        MotionConfig(check=RADAR, measuring_step_mm=30)
+    assert MotionConfig(check=RADAR, measuring_step_mm=30, standing_believed=False).reported_law.constant_mm == 6_200
 
 
 def test_standing_is_one_clause_or_none() -> None:
     """Where standing is not believed, no clause speaks of it; and a creep is then refused."""
     named = [build(parts(config)).machine.world.clauses for config in (CHECKED, NOT_BELIEVED)]
-    assert set(named[0]) - set(named[1]) == {"a vehicle that measures nothing stands"}
+    assert set(named[0]) - set(named[1]) == {"a vehicle that measures nothing stays between two pulses"}
     with pytest.raises(ValueError, match="standing_believed is false"):
         MotionConfig(check=CHECKED.check, standing_believed=False, creep_mm_s=1)
 
@@ -233,9 +261,11 @@ def test_a_slide_is_reported_halfway_and_adds_error() -> None:
     assert isinstance(last["more"], int) and 240_000_000 < last["more"] < 241_000_000
 
 
-def test_a_vehicle_that_stands_gets_no_added_error() -> None:
-    """The radar says no more than its floor while no pulse comes."""
-    assert {one["more"] for one in cycles(*[(0, 50)] * 50)} == {0}
+def test_a_vehicle_that_stands_gets_the_run_to_the_next_pulse_once() -> None:
+    """The radar says no more than its floor while no pulse comes: 20 mm in the first of these cycles, and again after a pulse or a silence."""
+    stop = [(0, 50)] * 3
+    said = [one["more"] for one in cycles(*stop, (14, 50), *stop, (None, 50), *stop, (0, None), *stop)]
+    assert [said[first : first + 3] for first in (0, 4, 8, 12)] == [[BETWEEN_NM, 0, 0]] * 4
     assert cycles((0, 60))[0]["more"] != 0
 
 
@@ -251,8 +281,8 @@ def test_a_distance_that_comes_alone_is_not_told() -> None:
 
 
 def test_the_constant_covers_either_unit_and_the_band() -> None:
-    """5 m of the wheel; 6 m of the radar and 0.1 m to either side; 2 m of an eddy current unit."""
-    assert CHECKED.reported_law.constant_mm == 6_200
+    """5 m of the wheel; 6 m of the radar, 0.1 m to either side and 20 mm between pulses; 2 m of an eddy current unit."""
+    assert CHECKED.reported_law.constant_mm == 6_220
     assert MotionConfig(check=EDDY_CURRENT).reported_law.constant_mm == 5_000
     assert MotionConfig().reported_law == CHECKED.odometer
 

@@ -40,6 +40,11 @@ def _half_blind(unit: Odometer) -> Num:
     return ite(unit.admitted, unit.most_error, as_num(unit.limits.blind_nm // 2, NM))
 
 
+def _stood_before_the_silence(check: UnitCheck) -> Bool:
+    still = (check.unit.last <= 55) & (check.unit.last >= -55)
+    return check.odometer.last.eq(0) & still
+
+
 def _capped(check: UnitCheck) -> Num:
     return minimum(BEYOND(check), as_num(100_000_000, NM))
 
@@ -48,6 +53,8 @@ EDITS: Mapping[str, Edit] = {
     "standing is believed up to one metre a cycle": _term(UnitCheck, "standing", _standing_up_to_a_metre),
     "standing is believed of the wheel alone": _term(UnitCheck, "standing", _standing_by_the_wheel_alone),
     "standing is believed of the radar alone": _term(UnitCheck, "standing", _standing_by_the_radar_alone),
+    "the run to the next pulse is never added": _term(UnitCheck, "_uncounted", lambda check: as_num(0, NM)),
+    "the run to the next pulse is not added after a silence": _term(UnitCheck, "stood", _stood_before_the_silence),
     "nothing is added beyond the law": _term(UnitCheck, "beyond", lambda check: as_num(0, NM)),
     "no more than 0.1 m a cycle is added": _term(UnitCheck, "beyond", _capped),
     "silence adds half the top speed": _term(Odometer, "growth", _half_blind),
@@ -62,7 +69,12 @@ def owed(patch: pytest.MonkeyPatch, edit: Edit | None) -> Base:
     return base(one_user(compose_machines(LocalizerConfig(sources=("balise",))), {}), seconds=120)
 
 
-QUICK = ("no more than 0.1 m a cycle is added", "silence adds half the top speed")
+QUICK = (
+    "the run to the next pulse is never added",
+    "the run to the next pulse is not added after a silence",
+    "no more than 0.1 m a cycle is added",
+    "silence adds half the top speed",
+)
 
 
 @pytest.mark.thorough(ordinary=1)

@@ -33,6 +33,8 @@ def common(vehicles: Vehicles, measured: Measured) -> Columns:
     if measured.check is not None:
         columns["odometer_next_wander_nm"] = Column(measured.reported.wander_nm)
         columns["motion.lawful_next_wander_nm"] = Column(measured.lawful.wander_nm)
+    if vehicles.config.motion.check is not None and vehicles.config.motion.unmeasured is not None:
+        columns["motion.next_between_pulses_nm"] = Column(measured.lawful.between_pulses_nm)
     return columns
 
 

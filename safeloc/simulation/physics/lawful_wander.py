@@ -69,6 +69,11 @@ def lawful_wander(
     half = law.constant_mm * NM_PER_MM // 2
     off = np.where(counts, true_nm - told_mm * NM_PER_MM, 0)
     slack = np.where(counts, growth_nm(law, told_mm, period_ms), 0)
+    return wander_within(off, slack, half)
+
+
+def wander_within(off: Whole, slack: Whole, half: int) -> tuple[Whole, Flags]:
+    """Return a wander within half to either side that changes by `off` in each cycle, give or take `slack`; and where there is none."""
     low, high, broken = _stretches(off, slack, half)
     found = np.empty_like(off)
     now = np.minimum(np.maximum(0, low[-1]), high[-1]) if len(off) else low
