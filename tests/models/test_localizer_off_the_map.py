@@ -14,6 +14,7 @@ from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.front_ends import satellite
 from safeloc.models.localizer.simulation.journey import Stretch, Vehicles
 from safeloc.models.localizer.simulation.journeys import NOMINAL
+from safeloc.models.localizer.simulation.off_the_map import misplaced
 from safeloc.models.localizer.simulation.reflected import covariance
 from safeloc.models.localizer.simulation.simulate import first_but_speed, with_truth
 from safeloc.models.localizer.simulation.sources import Fleet
@@ -129,6 +130,19 @@ def test_a_vehicle_is_alone_what_it_is_among_others() -> None:
     streams = [with_truth(CONFIG, replace(JOURNEY, physics=one), seed=3 + number) for number, one in enumerate(physics)]
     expected, inputs = packed(shown().system, streams, len(streams[0])), found()[0].inputs
     assert [name for name, values in inputs.items() if not np.array_equal(values, expected[name])] == []
+
+
+def test_a_balise_of_the_radar_is_read_late_or_not_at_all() -> None:
+    """Farther on by speed x latency, sooner by what the antenna is ahead; beyond every line if there is no time to read it."""
+    late, ahead = {"reader_processing_ms": 20}, {"antenna_mounting_mm": 150}
+    fast = {"reader_telegrams": 5, "reader_contact_mm": 10}
+    made = misplaced(vehicles(PLAIN, late, {**late, **ahead}, ahead, fast))
+    assert made is not None and not made.errs.any()
+    (beside,) = made.balises.values()
+    plain, shifted, both, sooner, never = beside.tolist()
+    assert 0 == plain and 0 < shifted < 15_000 * 0.02
+    assert -150 == pytest.approx(sooner) and shifted - 150 == pytest.approx(both, abs=5)
+    assert never > JOURNEY.length_mm * 1_000
 
 
 def test_covariances_are_those_of_the_last_cycles_that_were_heard() -> None:

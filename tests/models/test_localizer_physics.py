@@ -34,6 +34,11 @@ WITHIN = {
 """A dry rail, wheels that are little worn, a good map, and reflections that the criterion of selection allows for."""
 LEAVES = {**WITHIN, "adhesion": 0.03}
 CITY = {**WITHIN, "multipath_mm": 20_000, "multipath_common": 0.9, "multipath_lasts": 300}
+CITY_RATES = {**CITY, "multipath_rate": 0.8, "multipath_smooth": 20, "multipath_window": 10}
+LATE = {
+    "reader_processing_ms": 60, "reader_jitter_ms": 20, "reader_telegrams": 2, "reader_failed": 0.3, "reader_contact_mm": 1_000,
+    "front_mounting_mm": 200, "rear_mounting_mm": -200,
+}  # fmt: skip
 POOR_MAP = {**WITHIN, "map_offset_mm": -2_500}
 
 
@@ -70,13 +75,13 @@ def broken(found: Outcome, vehicle: int) -> list[str]:
 
 def test_a_vehicle_is_alone_what_it_is_among_others() -> None:
     """Bit by bit, whatever rail, map and sky the others have; also one that errs by the laws alone."""
-    physics = (PLAIN, WITHIN, LEAVES, CITY, POOR_MAP)
+    physics = (PLAIN, WITHIN, LEAVES, CITY, POOR_MAP, CITY_RATES, LATE)
     found = Fleet(vehicles(*physics, journey=SHORT), shown().system, None).inputs()
     streams = [with_truth(CONFIG, replace(SHORT, physics=one), seed=3 + number) for number, one in enumerate(physics)]
     expected = packed(shown().system, streams, len(streams[0]))
     assert expected.keys() == found.keys()
     assert [name for name, values in found.items() if not np.array_equal(values, expected[name])] == []
-    assert 5 == len({tuple(column) for column in found["motion.odometer_mm"].T})
+    assert 7 == len({tuple(column) for column in found["motion.odometer_mm"].T})
 
 
 @pytest.mark.thorough

@@ -15,6 +15,8 @@ from safeloc.simulation.physics.reader_timing import Way
 
 _OF_THE_RADAR = ("radar shifted",)
 """Faults of a journey that set the radar's error, which the world then has no choice of."""
+_UNREAD_MM = 1e9
+"""A place beyond every line: a balise there is never read."""
 
 
 def reflectors_err(vehicles: Vehicles) -> NDArray[np.bool_]:
@@ -56,7 +58,9 @@ def _where_read(vehicles: Vehicles, places_mm: list[int], surveyed: NDArray[np.b
         drawn = timing.latencies(rng, len(places_mm))
         for number, place in enumerate(places_mm):
             met_ms = way.time_ms((place + float(found[number, vehicle]) - timing.mounting_mm) * NM_PER_MM)
-            if met_ms is not None:
+            if met_ms is not None and not drawn.heard(number, way.speed_mm_s(met_ms)):
+                found[number, vehicle] = _UNREAD_MM
+            elif met_ms is not None:
                 found[number, vehicle] = way.at_nm(met_ms + float(drawn.late_ms[number])) / NM_PER_MM - place
     return found
 
