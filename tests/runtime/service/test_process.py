@@ -21,7 +21,9 @@ from tests.cli.calling import Call, caller
 from tests.runtime.embedding.driving import drive, trusting
 from tests.runtime.service.processes import (
     PATIENCE_S,
+    SAFELOC,
     Data,
+    command,
     line,
     lines,
     numbered,
@@ -69,17 +71,23 @@ def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path) -> None:
     assert {one["truth"] for one in found} == {"contained", "INVALID"}
 
 
-@pytest.mark.thorough(ordinary=1)
+def code_of(call: Call, folder: Path, said: str) -> int:
+    """The exit code of a whole run over a file, in this process."""
+    source = folder / "said.jsonl"
+    source.write_text(said, encoding="utf-8")
+    return call(*command(folder, "--from", f"file:{source}", "--until-end")[len(SAFELOC) :]).code
+
+
 @pytest.mark.parametrize(("metres", "code"), [(252, 0), (900, 1)])
-def test_the_exit_code_is_that_of_the_truth(tmp_path: Path, metres: int, code: int) -> None:
+def test_the_exit_code_is_that_of_the_truth(tmp_path: Path, call: Call, metres: int, code: int) -> None:
     """1 where a report misses the truth beside it, 0 where none does."""
     truth = line(TruthRecord(time_ms=300, position_nm=metres * 10**9))
-    assert ran(tmp_path, said="".join([*lines(3), truth])).returncode == code
+    assert code_of(call, tmp_path, "".join([*lines(3), truth])) == code
 
 
-def test_nothing_decided(tmp_path: Path) -> None:
+def test_nothing_decided(tmp_path: Path, call: Call) -> None:
     """Exit code 3 where no cycle ended."""
-    assert ran(tmp_path, said="{\n").returncode == 3
+    assert code_of(call, tmp_path, "{\n") == 3
 
 
 @pytest.mark.parametrize(
