@@ -61,12 +61,15 @@ def test_records_in_reports_out(tmp_path: Path) -> None:
     assert {"lines": 121, "cycles": 30, "refused": 0, "rejections": 0, "wrong": 0}.items() <= log[-1].items()
 
 
-def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path) -> None:
+def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path, call: Call) -> None:
     """Its header, its ghosts and its truth: the reports are compared with the truth, and hold it."""
     text = gzip.decompress(STREAM.read_bytes()).decode()
-    done = ran(tmp_path, "--inputs", said=text, config="")
-    assert done.returncode == 0, done.stderr
-    found = reports(read(done.stdout))
+    source, sink = tmp_path / "steps.jsonl", tmp_path / "reports.jsonl"
+    source.write_text(text, encoding="utf-8")
+    arguments = ("--inputs", "--from", f"file:{source}", "--until-end", "--to", f"file:{sink}")
+    done = call(*command(tmp_path, *arguments, config="")[len(SAFELOC) :])
+    assert done.code == 0, done.err
+    found = reports(read(sink.read_bytes()))
     assert len(found) == len(text.splitlines()) - 1
     assert {one["truth"] for one in found} == {"contained", "INVALID"}
 
@@ -75,7 +78,8 @@ def code_of(call: Call, folder: Path, said: str) -> int:
     """The exit code of a whole run over a file, in this process."""
     source = folder / "said.jsonl"
     source.write_text(said, encoding="utf-8")
-    return call(*command(folder, "--from", f"file:{source}", "--until-end")[len(SAFELOC) :]).code
+    arguments = ("--from", f"file:{source}", "--until-end", "--to", f"file:{folder / 'reports.jsonl'}")
+    return call(*command(folder, *arguments)[len(SAFELOC) :]).code
 
 
 @pytest.mark.parametrize(("metres", "code"), [(252, 0), (900, 1)])
