@@ -97,10 +97,9 @@ def test_the_regression_test_passes_and_fails_as_it_says(finished: Path) -> None
         "-m",
         "pytest",
         "-q",
+        "--disable-plugin-autoload",
         "-p",
         "no:cacheprovider",
-        "-p",
-        "no:randomly",
         str(finished / "streams" / NAME),
     ]
     told = subprocess.run(

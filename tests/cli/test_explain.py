@@ -58,7 +58,16 @@ def test_a_violation_is_told_with_inputs_term_and_test(call: Call, lift: str) ->
 
 
 def _pytest() -> int:
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_lift.py"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "--disable-plugin-autoload",
+        "-p",
+        "no:cacheprovider",
+        "test_lift.py",
+    ]
     return subprocess.run(command, capture_output=True, check=False).returncode
 
 

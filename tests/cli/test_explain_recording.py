@@ -54,7 +54,16 @@ def test_a_violation_is_told_with_what_matters(call: Call, pump: str) -> None:
     assert "     1  begin  [go=true]" in told
     assert "extra" not in called.out
     assert "    true  3 count < strokes    strokes = 4" in told
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_pump.py"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "--disable-plugin-autoload",
+        "-p",
+        "no:cacheprovider",
+        "test_pump.py",
+    ]
     assert 1 == subprocess.run(command, capture_output=True, check=False).returncode
 
 
@@ -97,7 +106,16 @@ def test_a_recording_without_the_truth(call: Call, tmp_path: Path, monkeypatch: 
     Path("run.jsonl").write_text('{"wheel": 3}\n{"wheel": 70}\n', encoding="utf-8")
     called = call("explain", "cart.py:machine", "near", "run.jsonl", "--pytest", "test_cart.py")
     assert (called.code, "far = 70" in called.out) == (1, True)
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "test_cart.py"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "--disable-plugin-autoload",
+        "-p",
+        "no:cacheprovider",
+        "test_cart.py",
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, "1 failed" in done.stdout) == (1, True)
     called = call("explain", "cart.py:machine", "true", "run.jsonl")

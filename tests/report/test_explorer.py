@@ -314,7 +314,16 @@ def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) 
     page.click("#run-if-test")
     page.until("window.saved.length === 2")
     (tmp_path / "test_mine.py").write_text(page.js("window.saved[1]"), encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:safeloc", "--rootdir", str(tmp_path), "test_mine.py"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "--disable-plugin-autoload",
+        "--rootdir",
+        str(tmp_path),
+        "test_mine.py",
+    ]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "2 passed" in done.stdout, done.stdout + done.stderr
     page.click("#run-if-close")

@@ -262,9 +262,12 @@ def test_a_snapshot_of_something_else_is_refused(tmp_path: Path) -> None:
 def test_a_damaged_snapshot_is_refused(tmp_path: Path, call: Call) -> None:
     """What is not whole was not written by this process."""
     snapshot = tmp_path / "snapshot.json"
-    ran(tmp_path, "--snapshot", str(snapshot), said="".join(lines(5)))
+    (tmp_path / "said.jsonl").write_text("".join(lines(5)), encoding="utf-8")
+    sources = ("--from", f"file:{tmp_path / 'said.jsonl'}", "--until-end", "--to", f"file:{tmp_path / 'reports.jsonl'}")
+    arguments = (*sources, "--snapshot", str(snapshot))
+    assert call(*command(tmp_path, *arguments)[len(SAFELOC) :]).code == 0
     snapshot.write_bytes(snapshot.read_bytes()[:-20])
-    refused = call(*command(tmp_path, "--snapshot", str(snapshot))[len(SAFELOC) :])
+    refused = call(*command(tmp_path, *arguments)[len(SAFELOC) :])
     assert refused.code == 2
     assert "the snapshot is damaged" in in_a_line(refused.err)
 

@@ -21,7 +21,9 @@ from tests.cli.calling import Call, caller
 from tests.runtime.embedding.driving import drive, trusting
 from tests.runtime.service.processes import (
     PATIENCE_S,
+    SAFELOC,
     Data,
+    command,
     line,
     lines,
     numbered,
@@ -59,27 +61,37 @@ def test_records_in_reports_out(tmp_path: Path) -> None:
     assert {"lines": 121, "cycles": 30, "refused": 0, "rejections": 0, "wrong": 0}.items() <= log[-1].items()
 
 
-def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path) -> None:
+def test_a_shipped_step_stream_is_read_as_it_is(tmp_path: Path, call: Call) -> None:
     """Its header, its ghosts and its truth: the reports are compared with the truth, and hold it."""
     text = gzip.decompress(STREAM.read_bytes()).decode()
-    done = ran(tmp_path, "--inputs", said=text, config="")
-    assert done.returncode == 0, done.stderr
-    found = reports(read(done.stdout))
+    source, sink = tmp_path / "steps.jsonl", tmp_path / "reports.jsonl"
+    source.write_text(text, encoding="utf-8")
+    arguments = ("--inputs", "--from", f"file:{source}", "--until-end", "--to", f"file:{sink}")
+    done = call(*command(tmp_path, *arguments, config="")[len(SAFELOC) :])
+    assert done.code == 0, done.err
+    found = reports(read(sink.read_bytes()))
     assert len(found) == len(text.splitlines()) - 1
     assert {one["truth"] for one in found} == {"contained", "INVALID"}
 
 
-@pytest.mark.thorough(ordinary=1)
+def code_of(call: Call, folder: Path, said: str) -> int:
+    """The exit code of a whole run over a file, in this process."""
+    source = folder / "said.jsonl"
+    source.write_text(said, encoding="utf-8")
+    arguments = ("--from", f"file:{source}", "--until-end", "--to", f"file:{folder / 'reports.jsonl'}")
+    return call(*command(folder, *arguments)[len(SAFELOC) :]).code
+
+
 @pytest.mark.parametrize(("metres", "code"), [(252, 0), (900, 1)])
-def test_the_exit_code_is_that_of_the_truth(tmp_path: Path, metres: int, code: int) -> None:
+def test_the_exit_code_is_that_of_the_truth(tmp_path: Path, call: Call, metres: int, code: int) -> None:
     """1 where a report misses the truth beside it, 0 where none does."""
     truth = line(TruthRecord(time_ms=300, position_nm=metres * 10**9))
-    assert ran(tmp_path, said="".join([*lines(3), truth])).returncode == code
+    assert code_of(call, tmp_path, "".join([*lines(3), truth])) == code
 
 
-def test_nothing_decided(tmp_path: Path) -> None:
+def test_nothing_decided(tmp_path: Path, call: Call) -> None:
     """Exit code 3 where no cycle ended."""
-    assert ran(tmp_path, said="{\n").returncode == 3
+    assert code_of(call, tmp_path, "{\n") == 3
 
 
 @pytest.mark.parametrize(
