@@ -105,7 +105,7 @@ class MotionConfig(Config):
 
     @property
     def unmeasured(self) -> Unmeasured | None:
-        """What a vehicle may run that counts as standing; None where none counts as standing."""
+        """The most that a vehicle runs which counts as standing; None where none counts as standing."""
         return Unmeasured(self.creep_mm_s, self.between_pulses_mm) if self.standing_believed else None
 
     @property

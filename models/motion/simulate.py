@@ -131,10 +131,10 @@ def _between_pulses(
     slack = np.where(still, config.unmeasured.creep_nm(config.period_ms), whole)
     before = np.zeros((1, true_nm.shape[1]), dtype=np.int64)
     off, slack = np.vstack([before, np.where(still, true_nm, 0)]), np.vstack([before + whole, slack])
-    place, none = (found[1:] for found in wander_within(off, slack, whole // 2))
+    place, none = wander_within(off, slack, whole // 2)
     numbers = np.arange(1, len(still) + 1)[:, None]
     last = np.maximum.accumulate(np.where(still, numbers, 0), axis=0)
-    return np.take_along_axis(np.vstack([before, place]), last, axis=0), none
+    return np.take_along_axis(np.vstack([before, place[1:]]), last, axis=0), none[1:]
 
 
 def _measured(

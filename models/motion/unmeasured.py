@@ -1,4 +1,4 @@
-"""What a vehicle may run while it counts as standing: figures for the world, which limits it, and for the machine, which adds it."""
+"""The run of a vehicle that counts as standing: figures for the world, which limits it, and for the machine, which adds it."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, SPEED, line_law
 
 LAWFUL = members("lawful_unit", "ODOMETER", "CHECK")
 ODOMETER_LAWFUL, CHECK_LAWFUL = LAWFUL
-STAYS = "a vehicle that measures nothing stays between two pulses"
+_STAYS = "a vehicle that measures nothing stays between two pulses"
 _FIELDS = ("odometer", "check")
 """Fields of the configuration with the figures of both units, in their order."""
 _OF_A_UNIT = ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s")
@@ -56,17 +56,6 @@ class UnitGhosts:
 
 
 @dataclass(frozen=True, eq=False)
-class BetweenPulses:
-    """The place between two pulses of the odometer at which the vehicle stands or last stood, nm from their middle.
-
-    It is followed while the vehicle counts as standing; at the beginning of a stop it is anywhere between the pulses.
-    """
-
-    place: NumVar
-    next_place: NumVar
-
-
-@dataclass(frozen=True, eq=False)
 class CheckGhosts:
     """Ghosts of two units that check each other.
 
@@ -74,7 +63,9 @@ class CheckGhosts:
     wander, next_wander        the one-off part of the lawful unit's error, before the cycle and, freely chosen, after it
     reported, next_reported    the one-off part of the error of the reported distance (safeloc.models.motion.reported_error)
     odometer, check            the distances of either unit
-    between_pulses             where a vehicle stands that counts as standing; None where none does
+    between_pulses, next_between_pulses    the place between two pulses of the odometer at which the vehicle stands or last stood, from
+                               their middle: followed while it counts as standing, anywhere at the beginning of a stop; None where
+                               no vehicle counts as standing
     """
 
     lawful_unit: NumVar
@@ -84,7 +75,8 @@ class CheckGhosts:
     next_reported: NumVar
     odometer: UnitGhosts
     check: UnitGhosts
-    between_pulses: BetweenPulses | None
+    between_pulses: NumVar | None
+    next_between_pulses: NumVar | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +115,9 @@ def _units(
     most, of_reported = (
         max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [reported.constant_mm])
     )
+    half = None if unmeasured is None else unmeasured.between_pulses_nm // 2
+    place = None if half is None else declared.ghost(number("between_pulses_nm", NM, -half, half), first=0)
+    next_place = None if half is None else declared.choice(number("next_between_pulses_nm", NM, -half, half))
     return CheckGhosts(
         lawful_unit=declared.ghost(choice("lawful_unit", enumeration(LAWFUL)), first=ANY),
         wander=declared.ghost(number("lawful_wander_nm", NM, -most, most), first=ANY),
@@ -131,15 +126,8 @@ def _units(
         check=_unit(declared, physics, "check"),
         reported=declared.ghost(number("odometer_wander_nm", NM, -of_reported, of_reported), first=ANY),
         next_reported=declared.choice(number("odometer_next_wander_nm", NM, -of_reported, of_reported)),
-        between_pulses=None if unmeasured is None else _between_pulses(declared, unmeasured),
-    )
-
-
-def _between_pulses(declared: Declared, unmeasured: Unmeasured) -> BetweenPulses:
-    half = unmeasured.between_pulses_nm // 2
-    return BetweenPulses(
-        declared.ghost(number("between_pulses_nm", NM, -half, half), first=0),
-        declared.choice(number("next_between_pulses_nm", NM, -half, half)),
+        between_pulses=place,
+        next_between_pulses=next_place,
     )
 
 
@@ -209,14 +197,16 @@ class Surroundings:
     @property
     def between_pulses(self) -> Num:
         """The place between two pulses at which the vehicle last stood, nm; 0 where none counts as standing."""
-        place = None if self.ghosts.units is None else self.ghosts.units.between_pulses
-        return as_num(0, NM) if place is None else place.place
+        seen = self.ghosts.units
+        return as_num(0, NM) if seen is None or seen.between_pulses is None else seen.between_pulses
 
     @property
     def between_pulses_after(self) -> Num:
         """The same after the cycle."""
-        place = None if self.ghosts.units is None else self.ghosts.units.between_pulses
-        return as_num(0, NM) if place is None else ite(self.still, place.next_place, place.place)
+        seen = self.ghosts.units
+        if seen is None or seen.next_between_pulses is None:
+            return as_num(0, NM)
+        return ite(self.still, seen.next_between_pulses, self.between_pulses)
 
 
 def world(declared: Declared, own: Surroundings) -> World:
@@ -229,7 +219,7 @@ def world(declared: Declared, own: Surroundings) -> World:
         for unit in own.units:
             moves |= unit.moves()
         if seen.units.between_pulses is not None:
-            moves[seen.units.between_pulses.place] = own.between_pulses_after
+            moves[seen.units.between_pulses] = own.between_pulses_after
         laws |= _unit_laws(own, seen.units)
     return declared.world(moves, laws)
 
@@ -267,9 +257,9 @@ def _unit_laws(own: Surroundings, seen: CheckGhosts) -> dict[str, Law]:
         f"the {name}, if it is the lawful unit, obeys its error law": _keeps(own, seen, unit, lawful, name, field)
         for name, unit, lawful, field in zip(("odometer", "check unit"), own.units, LAWFUL, _FIELDS, strict=True)
     }
-    if own.unmeasured is None or seen.between_pulses is None:
+    if own.unmeasured is None or seen.next_between_pulses is None:
         return laws
-    return {**laws, STAYS: _standing(own, seen, own.unmeasured, seen.between_pulses)}
+    return {**laws, _STAYS: _standing(own, seen, own.unmeasured, seen.next_between_pulses)}
 
 
 def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object, name: str, field: str) -> Law:
@@ -289,10 +279,10 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
     )
 
 
-def _standing(own: Surroundings, seen: CheckGhosts, unmeasured: Unmeasured, pulses: BetweenPulses) -> Law:
+def _standing(own: Surroundings, seen: CheckGhosts, unmeasured: Unmeasured, next_place: Num) -> Law:
     creep, half = unmeasured.creep_nm(own.physics.period_ms), unmeasured.between_pulses_nm // 2
-    ran = own.ghosts.true_cycle_distance - pulses.next_place
-    goes_on = between(-creep, ran + pulses.place, creep)
+    ran = own.ghosts.true_cycle_distance - next_place
+    goes_on = between(-creep, ran + own.between_pulses, creep)
     begins = between(-creep - half, ran, creep + half)
     stays = (own.was_still.implies(goes_on)) & (own.was_still | begins) & seen.next_wander.eq(seen.wander)
     return Law(
