@@ -170,7 +170,6 @@ def as_room(name: str) -> str:
     return TARGET.sub(r"safeloc.targets.\1", name)
 
 
-@pytest.mark.thorough(ordinary=10)
 @pytest.mark.parametrize("package", HEAVY)
 def test_heavy_packages_stay_in_their_rooms(package: str) -> None:
     """Only the named places import the package, and at least one of them does."""
