@@ -1,4 +1,4 @@
-"""What every process of a prover needs, made before processes are forked, so that each finds it instead of making it."""
+"""Preparation before processes are forked: what every process of a prover needs is made once, and each finds it."""
 
 from __future__ import annotations
 
