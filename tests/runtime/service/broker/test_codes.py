@@ -56,7 +56,7 @@ def test_the_key(tmp_path: Path) -> None:
 def test_the_page_says_how(capsys: pytest.CaptureFixture[str]) -> None:
     """The program of docs/trackside.md makes a line whose code fits."""
     text = (Path(__file__).resolve().parents[4] / "docs" / "trackside.md").read_text(encoding="utf-8")
-    [program] = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    program, *_ = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     exec(program, {})  # the page's own program
     line = capsys.readouterr().out.strip().encode()
     opened = Codes(bytes(32)).opened("areas/records/2/west", line)
