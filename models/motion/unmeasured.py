@@ -1,4 +1,8 @@
-"""The run of a vehicle that counts as standing: figures for the world, which limits it, and for the machine, which adds it."""
+"""Figures of the run of a vehicle that counts as standing.
+
+The machine adds the run as it is computed here. The world computes its limit from the figures itself, so that a wrong conversion
+here is no longer covered by an equally wrong law.
+"""
 
 from __future__ import annotations
 

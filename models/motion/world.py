@@ -115,7 +115,7 @@ def _units(
     most, of_reported = (
         max(constants) * NM_PER_MM // 2 for constants in ([one.constant_mm for one in laws], [reported.constant_mm])
     )
-    half = None if unmeasured is None else unmeasured.between_pulses_nm // 2
+    half = None if unmeasured is None else _half_between_pulses_nm(unmeasured)
     place = None if half is None else declared.ghost(number("between_pulses_nm", NM, -half, half), first=0)
     next_place = None if half is None else declared.choice(number("next_between_pulses_nm", NM, -half, half))
     return CheckGhosts(
@@ -279,8 +279,14 @@ def _keeps(own: Surroundings, seen: CheckGhosts, unit: Measuring, lawful: object
     )
 
 
+def _half_between_pulses_nm(unmeasured: Unmeasured) -> int:
+    """Return how far a place between two pulses is from their middle at most; from the figure, and not as the machine has it."""
+    return unmeasured.between_pulses_mm * NM_PER_MM // 2
+
+
 def _standing(own: Surroundings, seen: CheckGhosts, unmeasured: Unmeasured, next_place: Num) -> Law:
-    creep, half = unmeasured.creep_nm(own.physics.period_ms), unmeasured.between_pulses_nm // 2
+    creep = unmeasured.creep_mm_s * own.physics.period_ms * NM_PER_MM // THOUSAND
+    half = _half_between_pulses_nm(unmeasured)
     ran = own.ghosts.true_cycle_distance - next_place
     goes_on = between(-creep, ran + own.between_pulses, creep)
     begins = between(-creep - half, ran, creep + half)
