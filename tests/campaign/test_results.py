@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -28,6 +27,7 @@ from tests.campaign.declared import SKIDDING, SMALL
 from tests.campaign.test_shards import rows
 from tests.cli.calling import Call
 from tests.codegen.c_folder import needs_compiler
+from tests.started_pytest import pytest_command
 
 ROOT = Path(safeloc.__file__).parents[1]
 
@@ -92,16 +92,7 @@ def test_a_kept_stream_is_shortened_to_what_matters(finished: Path) -> None:
 
 def test_the_regression_test_passes_and_fails_as_it_says(finished: Path) -> None:
     """Near misses stay contained, a wrong interval after a broken law is expected; a stream of another kind is noticed."""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "--disable-plugin-autoload",
-        "-p",
-        "no:cacheprovider",
-        str(finished / "streams" / NAME),
-    ]
+    command = pytest_command(str(finished / "streams" / NAME))
     told = subprocess.run(
         command, capture_output=True, text=True, check=False, cwd=finished, env={**os.environ, "PYTHONPATH": str(ROOT)}
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.cli.calling import Call
+from tests.started_pytest import pytest_command
 
 LIFT = """
 from safeloc.language.expr import boolean, number
@@ -58,16 +58,7 @@ def test_a_violation_is_told_with_inputs_term_and_test(call: Call, lift: str) ->
 
 
 def _pytest() -> int:
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "--disable-plugin-autoload",
-        "-p",
-        "no:cacheprovider",
-        "test_lift.py",
-    ]
+    command = pytest_command("test_lift.py")
     return subprocess.run(command, capture_output=True, check=False).returncode
 
 
