@@ -94,7 +94,7 @@ def kept(config: SelectionConfig, off_mm: Whole, off_mm_s: Whole) -> Flags:
 
 
 def covariance(off: Whole, heard: Flags, window: Whole) -> Whole:
-    """Return the variance of each signal's differences that were heard in the last cycles, rounded down; 0 of fewer than two.
+    """Return the variance of each signal's differences that were received in the last cycles, rounded down; 0 of fewer than two.
 
     off, heard  arrays [channel, cycle, vehicle]; window: cycles, [vehicle], at least 1
     """

@@ -77,7 +77,7 @@ class OccupancyStatus:
 _NOT_ABLE = 0x01
 """The section cannot be forced to clear: it is clear on positive evidence only."""
 _OPERATIONAL = 0x01
-"""Disturbance that ends by itself once trains are heard again, and not by a repair."""
+"""Disturbance that ends by itself once trains report again, and not by a repair."""
 
 
 def decode_occupancy_status(telegram: bytes) -> OccupancyStatus:

@@ -39,7 +39,7 @@ def mounting(reader: str) -> dict[str, DrawnFigure]:
 
 @dataclass(frozen=True, eq=False)
 class Latencies:
-    """Latencies of readings, ms, one for each marker: of each whole one, and how long the marker had to be heard."""
+    """Latencies of readings, ms, one for each marker: of each whole one, and how long it had to be within the range of the reader."""
 
     late_ms: Floats
     heard_ms: Floats
