@@ -14,7 +14,7 @@ import z3
 
 from safeloc.codegen.smt import Terms, constant, value_of
 from safeloc.language.expr import Bool, NumVar, Var, all_of, any_of
-from safeloc.language.interpret import holds
+from safeloc.language.interpret import Program
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.terms import Substitution, conjuncts, variables
@@ -43,11 +43,23 @@ class Group:
         self._general = Generalisation(condition, self.inputs)
         self.met: list[Bool] = []
         self.witnesses: list[Witness] = []
+        self._program, self._programs = Program([condition]), list[Program]()
         self._add(constants(self._rest))
 
     def _add(self, witness: Witness) -> None:
         self.met.append(Substitution(dict(witness)).bool(self.condition))
         self.witnesses.append(witness)
+        self._programs.append(Program(witness.values()))
+
+    def _take_back(self) -> None:
+        """Forget the witness function that was added last."""
+        for kept in (self.met, self.witnesses, self._programs):
+            kept.pop()
+
+    def _covers(self, number: int, state: State) -> bool:
+        """Return whether a witness function meets the conditions in this state: its inputs are computed, and then the conditions."""
+        given = zip(self.witnesses[number], self._programs[number](state), strict=True)
+        return bool(self._program({**state, **dict(given)})[0])
 
     @property
     def covered(self) -> Bool:
@@ -56,17 +68,16 @@ class Group:
 
     def learn(self, state: State, seconds: float) -> Learned:
         """Learn witness functions until this state is covered, if any inputs are lawful in it."""
-        if holds(self.covered, state):
+        if any(self._covers(number, state) for number in range(len(self.witnesses))):
             return Learned.COVERED
         inputs = _lawful(self.condition, self.inputs, state, self._rest, seconds)
         if isinstance(inputs, Learned):
             return inputs
         for eager in (True, False):
             self._add(self._general.witness(state, inputs, eager=eager))
-            if holds(self.met[-1], state):
+            if self._covers(-1, state):
                 return Learned.COVERED
-            self.met.pop()
-            self.witnesses.pop()
+            self._take_back()
         self._add(constants(inputs))
         return Learned.COVERED
 
