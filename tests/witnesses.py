@@ -1,16 +1,18 @@
-"""Make the witnesses that ship: `python -m tests.witnesses [--anew] [MACHINE ...]` writes MACHINE.witnesses.jsonl.xz
+"""Make the witnesses that ship: `python -m tests.witnesses [--anew] [--minutes MINUTES] [MACHINE ...]` writes MACHINE.witnesses.jsonl.xz
 into the folder of each machine.
 
 A witness is a short run to a mode, a transition or a case of a property. With witnesses at hand `verify` need not search for it. Run
 this after an edit that made some of them show nothing (tests/models/test_witnesses.py says so), or that brought new events.
 
---anew  search for every event again; without it, runs that still show something stay
+--anew             search for every event again; without it, runs that still show something stay
+--minutes MINUTES  search a composition so long for runs of the whole to events that one of its machines alone shows
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.language.machine import Any_
@@ -23,6 +25,7 @@ from safeloc.proof.results import Finding
 from safeloc.proof.verification.witness_files import read_witnesses, write_witnesses
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.target import MODELS, Target
+from tests.onward_runs import onward_runs
 
 MOST_STEPS = 1000
 """Longer runs are left to the recordings that show them."""
@@ -30,10 +33,14 @@ EVENTS = ("mode", "transition", "case")
 """Words with which the names of the obligations begin whose witness is a run to an event."""
 
 
-def witnesses(target: Target, *, anew: bool) -> list[Trace]:
+def witnesses(target: Target, *, anew: bool, minutes: float = 0.0) -> list[Trace]:
     """Return the runs to events that are not in a recording only, without those that begin a longer one."""
     recordings = [Recording(stream.first, stream.steps) for stream in map(read_steps, target.streams)]
-    known = NO_WITNESSES if anew else read_witnesses(target.witnesses)
+    known = dict(NO_WITNESSES if anew else read_witnesses(target.witnesses))
+    if minutes:
+        name = target.system.name
+        further = onward_runs(target, [*known.get(name, ()), *recordings], minutes, partial(print, flush=True))
+        known[name] = [*known.get(name, ()), *(Recording(first_of(run), run.stream()) for run in further)]
     found = obligations(
         target.system, Limits(), jobs=2, recordings=recordings, witnesses=known, properties=target.properties
     )
@@ -71,10 +78,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Write the files of the named machines, or of all."""
     parser = argparse.ArgumentParser(prog="python -m tests.witnesses", description=__doc__.splitlines()[0])
     parser.add_argument("--anew", action="store_true")
+    parser.add_argument("--minutes", type=float, default=0.0)
     parser.add_argument("machine", nargs="*", default=sorted(ENTRIES))
     asked = parser.parse_args(arguments)
     for name in asked.machine:
-        runs = witnesses(load_target(name), anew=asked.anew)
+        runs = witnesses(load_target(name), anew=asked.anew, minutes=asked.minutes)
         path = MODELS / ENTRIES[name].folder / f"{name}.witnesses.jsonl.xz"
         if runs:
             write_witnesses(path, [(run.system.name, first_of(run), run.stream()) for run in runs])
