@@ -39,10 +39,14 @@ def making_code_digest(folder: str) -> str:
     """Return the SHA-256 over the code of these modules."""
     total = hashlib.sha256()
     for name, path in making_modules(folder).items():
-        total.update(
-            f"{name}\0".encode() + hashlib.sha256(without_words(path.read_text(encoding="utf-8")).encode()).digest()
-        )
+        total.update(f"{name}\0".encode() + _digest_without_words(path.read_text(encoding="utf-8")))
     return total.hexdigest()
+
+
+@cache
+def _digest_without_words(text: str) -> bytes:
+    """Return the SHA-256 over a module's code; most modules make several machines."""
+    return hashlib.sha256(without_words(text).encode()).digest()
 
 
 def _is_followed(name: str) -> bool:

@@ -7,8 +7,9 @@ unknown type is refused with a TypeError, never left out.
 from __future__ import annotations
 
 import hashlib
+import weakref
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -35,11 +36,10 @@ _NOT_READ = {
 
 def target_digest(target: Target) -> str:
     """Return the SHA-256, in hexadecimal, of a target with the recordings and witnesses that ship with it."""
-    digest = _Digest()
-    files = [*target.streams, *([] if target.witnesses is None else [target.witnesses])]
-    for one in (target, *(_Stream(path.name, path.read_bytes()) for path in files)):
-        digest.add(one)
-    return digest.total.hexdigest()
+    total = hashlib.sha256(_declared_digest(target, places=True).encode())
+    for path in [*target.streams, *([] if target.witnesses is None else [target.witnesses])]:
+        total.update(f"\0{path.name}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return total.hexdigest()
 
 
 def content_digest(target: Target) -> str:
@@ -47,15 +47,20 @@ def content_digest(target: Target) -> str:
 
     A comment that moves a transition in its file leaves it as it is. What tells a place, such as a finding, needs `target_digest`.
     """
-    digest = _Digest(places=False)
-    digest.add(replace(target, streams=(), witnesses=None))
-    return digest.total.hexdigest()
+    return _declared_digest(target, places=False)
 
 
-@dataclass(frozen=True)
-class _Stream:
-    name: str
-    content: bytes
+_DECLARED: weakref.WeakKeyDictionary[Target, dict[bool, str]] = weakref.WeakKeyDictionary()
+"""Digests without and with places: what a target declares never changes, and a report asks for it several times."""
+
+
+def _declared_digest(target: Target, *, places: bool) -> str:
+    known = _DECLARED.setdefault(target, {})
+    if places not in known:
+        digest = _Digest(places=places)
+        digest.add(replace(target, streams=(), witnesses=None))
+        known[places] = digest.total.hexdigest()
+    return known[places]
 
 
 class _Digest:
