@@ -33,7 +33,8 @@ Tell = Callable[[str], None]
 
 
 def onward_runs(target: Target, known: Sequence[Recording], minutes: float, tell: Tell = lambda _: None) -> list[Trace]:
-    """Return lawful runs of the whole to events that `known` does not show, found within the minutes; none for a single machine.
+    """Return lawful runs of the whole to events that `known` does not show, found within the minutes, or from the first start; none for a single
+    machine.
 
     known  the recordings and the shipped runs of the whole
     tell   is called with a line for each event found
@@ -46,10 +47,12 @@ def onward_runs(target: Target, known: Sequence[Recording], minutes: float, tell
         return []
     search, ends = _Search(target, left, known), time.monotonic() + 60 * minutes
     found = list[Trace]()
-    while search.left and search.starts and time.monotonic() < ends:
+    while search.left and search.starts:
         for numbers, run in search.next_start():
             found.append(run)
             tell(f"{target.name}: {', '.join(targets[number].name for number in numbers)} in {len(run.steps)} steps")
+        if time.monotonic() >= ends:
+            break
     return found
 
 

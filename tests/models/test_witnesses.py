@@ -10,9 +10,11 @@ import pytest
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.language.interpret import start, taken
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world
-from safeloc.proof.provers.recorded_witnesses import Recording
+from safeloc.proof.provers.reachable_targets import targets_of
+from safeloc.proof.provers.recorded_witnesses import Recording, shown
 from safeloc.proof.verification.witness_files import read_witnesses
 from safeloc.target import MODELS, Target, witnesses_of
+from tests import onward_runs
 from tests import witnesses as tool
 
 MADE = [name for name in ENTRIES if witnesses_of(name)]
@@ -57,3 +59,18 @@ def test_each_shows_something(name: str, tmp_path: Path, monkeypatch: pytest.Mon
     (tmp_path / shipped.parent.name).mkdir()
     tool.main([name])
     assert (tmp_path / shipped.parent.name / shipped.name).read_bytes() == shipped.read_bytes(), AGAIN
+
+
+def test_what_no_known_run_shows_is_searched_for_from_known_states(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the states of a short run of a composition the search comes to events that this run does not show, and tells them."""
+    monkeypatch.setattr(onward_runs, "FURTHER", 2)
+    target, told = load_target("supervised_odometry"), list[str]()
+    shipped = read_witnesses(witnesses_of("supervised_odometry"))["supervised_odometry"][0]
+    short = Recording(shipped.first, shipped.steps[:1])
+    names = {one.goal: one.name for one in targets_of(target.system)}
+    before = {names[goal] for goal in shown(list(names), [short])}
+    runs = onward_runs.onward_runs(target, [short], minutes=0.0, tell=told.append)
+    after = {names[goal] for goal in shown(list(names), [Recording(run.initial, run.stream()) for run in runs])}
+    assert after - before
+    assert all(name in " ".join(told) for name in after - before)
+    assert onward_runs.onward_runs(load_target("delocalized"), [short], minutes=0.0) == []
