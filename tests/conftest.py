@@ -60,6 +60,11 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 20)
 
 
+def pytest_sessionfinish() -> None:
+    """Let nothing be collected at the end: pytest looks five times through all that the tests have left, which the process gives back anyway."""
+    gc.freeze()
+
+
 @pytest.fixture(scope="session")
 def cache_folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the folders of all tests stand in which findings are kept."""

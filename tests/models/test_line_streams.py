@@ -174,7 +174,7 @@ def vehicle(name: str) -> LineVehicle:
     return LineVehicle(name, load_vehicle(SHIPPED / f"{name}.toml"), find_layout(name), trust_first=True)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("machine", ["odometry", "balise", "reflector"])
 def test_every_property_holds_past_a_balise_and_its_reflector(machine: str) -> None:
     """Fig. 1 from 50 m before the balise to behind the first reflector: lawful, and all properties hold."""

@@ -149,6 +149,7 @@ EDITS: dict[str, tuple[str, Callable[[Judgement], object], str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=5)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_is_refuted_by_a_run(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A check that is left out lets the fibre be wrong beyond its figure: a run shows it, with all laws kept."""
