@@ -15,9 +15,11 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from safeloc import catalogue
 from safeloc.codegen import compiled
-from tests.generated_once import compiled_once, generated_once
+from tests.generated_once import GeneratedOnce, compiled_once
 from tests.ordinary import by_test, ordinary
+from tests.shipped import made_once
 
 SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
@@ -34,6 +36,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 NUMBERS = count()
 GENERATING = ("codegen", "fuzz", "language")
 """Folders with tests of generated code itself."""
+ASKING = ("cli", "report")
+"""Folders with tests that name machines as users do, and change none."""
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -77,9 +81,25 @@ def nothing_kept(monkeypatch: pytest.MonkeyPatch, cache_folders: Path) -> None:
     monkeypatch.setenv("SAFELOC_CACHE", str(cache_folders / str(next(NUMBERS))))
 
 
+@pytest.fixture(scope="session")
+def generated_once(tmp_path_factory: pytest.TempPathFactory) -> GeneratedOnce:
+    """The generator of this run of the tests, of all its processes."""
+    several = "PYTEST_XDIST_WORKER" in os.environ
+    return GeneratedOnce(tmp_path_factory.getbasetemp().parent / "generated" if several else None)
+
+
 @pytest.fixture(autouse=True)
-def machines_generated_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The Python of equal declarations is generated and compiled once in a process, outside the tests of generated code."""
+def machines_generated_once(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, generated_once: GeneratedOnce
+) -> None:
+    """The Python of equal declarations is generated once and compiled once in a process, outside the tests of generated code."""
     if request.path.relative_to(Path(__file__).parent).parts[0] not in GENERATING:
         monkeypatch.setattr(compiled, "to_python", generated_once)
         monkeypatch.setattr(compiled, "_code", compiled_once)
+
+
+@pytest.fixture(autouse=True)
+def machines_made_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that ships is made once in a process with its defaults, where tests change none."""
+    if request.path.relative_to(Path(__file__).parent).parts[0] in ASKING:
+        monkeypatch.setattr(catalogue, "_built", made_once)

@@ -375,7 +375,7 @@ def test_what_is_not_the_reflector_is_called_so() -> None:
     assert "OTHER_MODEL" in decoy.every("echo_1_last_verdict") | decoy.every("echo_2_last_verdict")
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("fault", "modes"),
     [("group-missed", {"IDLE"}), ("distance-missing", {"IDLE"}), ("frames-missing", {"IDLE", "APPROACH", "BRAKING"}),

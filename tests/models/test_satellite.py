@@ -503,6 +503,7 @@ def _uncharged(kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.Monkey
     return compose_machines(CONFIG)
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("left_out", LEFT_OUT, ids=" and ".join)
 def test_a_term_that_is_not_added_is_noticed(

@@ -98,6 +98,7 @@ SHARP = [
 ]
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize(("claim", "figure"), SHARP, ids=[claim for claim, _ in SHARP])
 def test_one_less_is_refuted_by_a_run(claim: str, figure: str) -> None:
     """The figure of a claim is the least one: with one unit less a run breaks it, with the laws kept."""
