@@ -15,11 +15,9 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from safeloc import catalogue
 from safeloc.codegen import compiled
 from tests.generated_once import GeneratedOnce, compiled_once
 from tests.ordinary import by_test, ordinary
-from tests.shipped import made_once
 
 SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
 
@@ -36,8 +34,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 NUMBERS = count()
 GENERATING = ("codegen", "fuzz", "language")
 """Folders with tests of generated code itself."""
-ASKING = ("cli", "report")
-"""Folders with tests that name machines as users do, and change none."""
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -96,10 +92,3 @@ def machines_generated_once(
     if request.path.relative_to(Path(__file__).parent).parts[0] not in GENERATING:
         monkeypatch.setattr(compiled, "to_python", generated_once)
         monkeypatch.setattr(compiled, "_code", compiled_once)
-
-
-@pytest.fixture(autouse=True)
-def machines_made_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A machine that ships is made once in a process with its defaults, where tests change none."""
-    if request.path.relative_to(Path(__file__).parent).parts[0] in ASKING:
-        monkeypatch.setattr(catalogue, "_built", made_once)
