@@ -16,7 +16,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from safeloc.codegen import compiled
-from tests.generated_once import compiled_once, generated_once
+from tests.generated_once import GeneratedOnce, compiled_once
 from tests.ordinary import by_test, ordinary
 
 SLOW_BUT_FINE = (HealthCheck.too_slow, HealthCheck.data_too_large)
@@ -60,6 +60,11 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(50_000, 20, 20)
 
 
+def pytest_sessionfinish() -> None:
+    """Let nothing be collected at the end: pytest looks five times through all that the tests have left, which the process gives back anyway."""
+    gc.freeze()
+
+
 @pytest.fixture(scope="session")
 def cache_folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the folders of all tests stand in which findings are kept."""
@@ -72,9 +77,18 @@ def nothing_kept(monkeypatch: pytest.MonkeyPatch, cache_folders: Path) -> None:
     monkeypatch.setenv("SAFELOC_CACHE", str(cache_folders / str(next(NUMBERS))))
 
 
+@pytest.fixture(scope="session")
+def generated_once(tmp_path_factory: pytest.TempPathFactory) -> GeneratedOnce:
+    """The generator of this run of the tests, of all its processes."""
+    several = "PYTEST_XDIST_WORKER" in os.environ
+    return GeneratedOnce(tmp_path_factory.getbasetemp().parent / "generated" if several else None)
+
+
 @pytest.fixture(autouse=True)
-def machines_generated_once(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The Python of equal declarations is generated and compiled once in a process, outside the tests of generated code."""
+def machines_generated_once(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, generated_once: GeneratedOnce
+) -> None:
+    """The Python of equal declarations is generated once and compiled once in a process, outside the tests of generated code."""
     if request.path.relative_to(Path(__file__).parent).parts[0] not in GENERATING:
         monkeypatch.setattr(compiled, "to_python", generated_once)
         monkeypatch.setattr(compiled, "_code", compiled_once)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typing
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.language.interpret import run
@@ -19,7 +19,6 @@ def test_every_kind_of_node_is_drawn() -> None:
     """Random machines use every node kind that a machine may contain."""
     drawn: set[type[object]] = set()
 
-    @settings(max_examples=150)
     @given(machines())
     def collect(machine: Machine) -> None:
         system = lower(machine)

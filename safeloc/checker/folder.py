@@ -87,11 +87,18 @@ def check_folder(
     for name, answered in _opinions(texts, jobs, seconds):
         found.opinions[name] = answered
         progress(len(found.opinions), len(texts))
-    with multiprocessing.get_context("fork").Pool(jobs, _INHERITED.append, [(folder, data, texts, found)]) as pool:
+    with multiprocessing.get_context("fork").Pool(
+        processes(jobs, len(data["machines"])), _INHERITED.append, [(folder, data, texts, found)]
+    ) as pool:
         for part in pool.map(_check_machine, range(len(data["machines"])), chunksize=1):
             found.include(part)
     found.wrong |= dict.fromkeys({*texts} - found.assigned - {*found.wrong}, "it belongs to no machine of the report")
     return found
+
+
+def processes(jobs: int, tasks: int) -> int:
+    """Return how many processes are started for these tasks: none that would have nothing to do, and one at least."""
+    return max(1, min(jobs, tasks))
 
 
 def _misnamed(name: str, text: str) -> str:
@@ -108,7 +115,7 @@ def _opinions(texts: Mapping[str, str], jobs: int, seconds: float) -> Iterator[t
         same.setdefault(commands, []).append(name)
     batches = _batches({names[0]: texts[names[0]] for names in same.values()})
     also = {names[0]: names for names in same.values()}
-    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+    with multiprocessing.get_context("fork").Pool(processes(jobs, len(batches))) as pool:
         for found in pool.imap_unordered(partial(asked, seconds), batches):
             yield from ((name, opinion) for one, opinion in found for name in also[one])
 

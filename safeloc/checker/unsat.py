@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
+from safeloc.checker.folder import processes
 from safeloc.checker.proofs.goals import check_unsat_proofs
 from safeloc.checker.proofs.steps import Checked
 from safeloc.errors import InputError
@@ -46,7 +47,7 @@ def survey(folder: Path, *, jobs: int, seconds: float, progress: Callable[[int, 
     if not read.texts and not read.damaged:
         raise InputError(f"{folder}: no certificates; write a report with `safeloc verify --out {folder}`.")
     found = Survey(unproved=dict(read.damaged))
-    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+    with multiprocessing.get_context("fork").Pool(processes(jobs, len(read.texts))) as pool:
         looked_at = pool.imap_unordered(partial(_looked_at, seconds), sorted(read.texts.items()))
         for done, (name, trusted, where) in enumerate(looked_at, 1):
             if where:

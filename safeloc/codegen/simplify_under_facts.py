@@ -37,7 +37,7 @@ from safeloc.language.nodes import (
     all_of,
     any_of,
 )
-from safeloc.language.terms import children, rebuilt
+from safeloc.language.terms import CHILDREN, children, rebuilt
 from safeloc.language.units import Enumeration
 
 _MOST_VALUES = 16
@@ -48,6 +48,10 @@ _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
     Min: min,
     Max: max,
 }
+
+
+_IN_ORDER: frozenset[type[Expr]] = frozenset((Choose, ChooseBool, And, Or, Not, Sub))
+"""Operations whose operands have an order; most nodes are one of them."""
 
 
 Decide = Callable[[str, Num, Num], bool | None]
@@ -104,12 +108,15 @@ class Known:
         if term in done:
             return done[term]
         stack = [term]
+        below = CHILDREN
         while stack:
             node = stack[-1]
             if node in done:
                 stack.pop()
                 continue
-            waits = [part for part in self._read(node) if part not in done]
+            kind = type(node)
+            parts = self._branches(node) if kind is Choose or kind is ChooseBool else below[kind](node)
+            waits = [part for part in parts if part not in done]
             if waits:
                 stack += waits
                 continue
@@ -118,9 +125,8 @@ class Known:
             done[node] = self._kept.setdefault(_shape(folded), folded)
         return done[term]
 
-    def _read(self, node: Expr) -> Sequence[Expr]:
-        if not isinstance(node, (Choose, ChooseBool)):
-            return children(node)
+    def _branches(self, node: Any) -> Sequence[Expr]:
+        """Return what a choice waits for: its condition, then the branches that this leaves."""
         condition = self._done.get(node.condition)
         if condition is None:
             return (node.condition,)
@@ -202,7 +208,9 @@ class Known:
 
 def _shape(term: Expr) -> tuple[object, ...]:
     """Return the key of a node: two nodes with shared parts and equal keys have the same value."""
-    parts = children(term)
+    kind, parts = type(term), children(term)
+    if kind in _IN_ORDER:
+        return (kind, *map(id, parts))
     if isinstance(term, Lit):
         return (Lit, term.value, term.unit if isinstance(term.unit, Enumeration) else None)  # a member keeps its label
     if isinstance(term, Truth):
@@ -213,9 +221,7 @@ def _shape(term: Expr) -> tuple[object, ...]:
         return (type(term), term.op, *map(id, parts))
     if isinstance(term, FloorDiv):
         return (FloorDiv, term.divisor, id(parts[0]))
-    if isinstance(term, (Add, Mul, Min, Max)):
-        return (type(term), *sorted(map(id, parts)))  # the order of operands does not matter
-    return (type(term), *map(id, parts))
+    return (kind, *sorted(map(id, parts)))  # Add, Mul, Min, Max: the order of operands does not matter
 
 
 def _truth(op: str, left: int, right: int) -> Bool:
@@ -262,15 +268,16 @@ def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
 def work(terms: Sequence[Expr]) -> int:
     """Return the work to compute the terms: one for each operation and for each condition, however many choices use it."""
     seen, conditions, operations = set[Expr](), set[Expr](), 0
-    left = [*terms]
+    left, below = [*terms], CHILDREN
     while left:
         node = left.pop()
         if node in seen:
             continue
         seen.add(node)
-        parts = children(node)
+        kind = type(node)
+        parts = below[kind](node)
         left += parts
-        if isinstance(node, (Choose, ChooseBool)):
+        if kind is Choose or kind is ChooseBool:
             conditions.add(parts[0])
         elif parts:
             operations += 1

@@ -11,6 +11,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -95,11 +96,6 @@ class _Rendering:
     """The templates and their data."""
 
     def __init__(self, data: _Data) -> None:
-        self._environment = Environment(
-            loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-        )  # fmt: skip
-        self._environment.filters["linked"] = linked
-        self._environment.globals["anchor"] = anchor
         results = data["results"]
         machines = {machine["name"]: machine for machine in data["machines"]}
         shown = _shown_before(data["machines"])
@@ -205,7 +201,18 @@ class _Rendering:
         return {f"{row['machine']}: {row['id'].split('/', 2)[-1]}": self.links.row(row) for row in claims}
 
     def _filled(self, template: str, **given: Any) -> str:
-        return self._environment.get_template(f"{template}.html.jinja").render(**given)
+        return _environment().get_template(f"{template}.html.jinja").render(**given)
+
+
+@cache
+def _environment() -> Environment:
+    """Return where templates are compiled; once in a process, since that takes longer than to fill them."""
+    environment = Environment(
+        loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["linked"] = linked
+    environment.globals["anchor"] = anchor
+    return environment
 
 
 def _with_sources(found: Mapping[str, list[dict[str, Any]]], machines: Sequence[_Data], links: Links) -> dict[str, Any]:

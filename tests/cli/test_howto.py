@@ -101,7 +101,7 @@ def test_commands_of_the_pages_exist(call: Call) -> None:
         assert option in re.sub(r"\x1b\[[0-9;]*m", "", helped.out), (command, option)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize(("job", "handed_over"), [(0, "safeloc.sarif"), (1, "safeloc.xml")])
 def test_what_a_job_runs_writes_what_it_hands_over(
     call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, job: int, handed_over: str

@@ -98,6 +98,7 @@ properties = [never("far", (a > 2) & (product(product(a, a), a) + product(produc
 """
 
 
+@pytest.mark.thorough
 def test_json_is_pure_and_valid(call: Call) -> None:
     """With --json standard output is one document of the published schema and standard error is empty."""
     called = call("prove", DOOR, "--json", *QUICK)

@@ -58,7 +58,7 @@ def recorded(folder: Path, steps: list[dict[str, Cell]]) -> Path:
     return path
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", RUNS)
 def test_records_of_all_devices_are_the_run(tmp_path: Path, name: str) -> None:
     """Odometers, markers, balises, radar, satellites, fibre: their records become the inputs of the steps, and none is refused."""

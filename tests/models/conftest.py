@@ -18,8 +18,11 @@ def shared_answers(tmp_path_factory: pytest.TempPathFactory) -> Store:
     return Store((own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "answers")
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def asked_once(shared_answers: Store) -> Iterator[None]:
-    """A question whose answer is `proved` is asked once in the run; what an edit changes is another question."""
+    """A question whose answer is `proved` is asked once in the run; what an edit changes is another question.
+
+    Of a file, since the beginning looks at all files of the package.
+    """
     with kept_in(shared_answers):
         yield

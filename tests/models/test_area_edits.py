@@ -123,6 +123,7 @@ def test_a_word_that_is_not_trusted_is_noticed(monkeypatch: pytest.MonkeyPatch, 
     assert not keeps(claim, swept)
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("edit", OF_THE_AREA)
 def test_a_wrong_edit_of_the_area_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The same of what the area judges as a whole."""

@@ -110,6 +110,7 @@ UNSEEN = {
 """Configurations in which the vehicle can run against the measured direction by more than the one-off error."""
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("config", UNSEEN.values(), ids=UNSEEN)
 def test_a_run_against_the_measured_direction_is_added(monkeypatch: pytest.MonkeyPatch, config: BaliseConfig) -> None:
     """A machine that takes the measured direction for the true one, whatever the odometer's error, loses containment."""

@@ -288,7 +288,7 @@ def spoilt(part: str, row: str, **fields: object) -> FibreArea:
     return joined(CONFIG, **machines, sections=(section(CONFIG.sections, "section_1"),))  # type: ignore[arg-type]
 
 
-@pytest.mark.thorough(ordinary=2)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("part", "row", "fields", "broken"),
     [

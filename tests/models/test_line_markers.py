@@ -17,6 +17,7 @@ from tests.models.line_runs import kept_all_the_way, said
 from tests.railway.map.made import group, marker, straight
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("travel", ["increasing", "decreasing"])
 def test_markers_of_the_map_are_read_at_both_ends(travel: str) -> None:
     """As far apart as the audit permits: lawful, every marker read twice, and the position kept from the first one on; the odometer of

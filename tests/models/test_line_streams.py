@@ -174,7 +174,7 @@ def vehicle(name: str) -> LineVehicle:
     return LineVehicle(name, load_vehicle(SHIPPED / f"{name}.toml"), find_layout(name), trust_first=True)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("machine", ["odometry", "balise", "reflector"])
 def test_every_property_holds_past_a_balise_and_its_reflector(machine: str) -> None:
     """Fig. 1 from 50 m before the balise to behind the first reflector: lawful, and all properties hold."""
@@ -375,7 +375,7 @@ def test_what_is_not_the_reflector_is_called_so() -> None:
     assert "OTHER_MODEL" in decoy.every("echo_1_last_verdict") | decoy.every("echo_2_last_verdict")
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("fault", "modes"),
     [("group-missed", {"IDLE"}), ("distance-missing", {"IDLE"}), ("frames-missing", {"IDLE", "APPROACH", "BRAKING"}),

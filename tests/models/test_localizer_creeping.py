@@ -23,6 +23,7 @@ CREEPING = Journey(legs=[Leg(400, 90)], groups=[Group(number, number * 600) for 
 """0.4 m/s, where a radar may measure nothing: groups so close that many are read."""
 
 
+@pytest.mark.thorough
 def test_a_checked_distance_may_point_the_other_way_where_a_vehicle_creeps() -> None:
     """A radar within its law pulls the distance to 0 or less while the vehicle creeps on: every law holds, of a group's age too."""
     shown = target(CONFIG)
@@ -44,6 +45,7 @@ def _doubting() -> LocalizerConfig:
     return LocalizerConfig(sources=("balise",), motion=motion, balise=balise)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("config", [CONFIG, _doubting()], ids=["standing believed", "standing not believed"])
 def test_a_sliding_wheel_beside_a_good_radar_breaks_no_law(config: LocalizerConfig) -> None:
     """One unit keeps its law, nobody knows which: by hindsight the radar. The balises' laws of the checked distance hold as well.

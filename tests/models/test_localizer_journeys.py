@@ -148,6 +148,7 @@ def test_no_two_together_give_a_wrong_interval(journey: str) -> None:
     assert wrong == []
 
 
+@pytest.mark.thorough
 def test_spoofing_is_wrong_for_a_while_and_said_to_be() -> None:
     """The freight train's interval is wrong while the drift is smaller than what the others leave open."""
     case = next(one for one in CASES if one.name == "freight: spoofing")

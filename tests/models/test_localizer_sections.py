@@ -226,6 +226,7 @@ def test_no_section_is_clear_with_the_train_in_it(name: str) -> None:
     assert [cycle for cycle, step in enumerate(steps(name)) if free(step) and inside(step)] == []
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", ["parted", "silent-uplink"])
 def test_neither_a_lost_part_nor_silence_clears_it(name: str) -> None:
     """The front end has long left, on board it is located to the end; the section is not FREE any more."""

@@ -66,6 +66,7 @@ def _with(motion: MotionConfig) -> Localizer:
     return compose_machines(LocalizerConfig(sources=("balise",), motion=motion, balise=balise))
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("motion", [CREEPS, NOT_BELIEVED])
 def test_the_law_is_owed_and_kept_of_a_vehicle_that_may_creep(motion: MotionConfig) -> None:
     """The same is proved where a vehicle that measures nothing may creep, and where nothing is assumed of it."""

@@ -113,6 +113,7 @@ OF_THE_ENDS: dict[str, tuple[str, Wrong]] = {
 }  # fmt: skip
 
 
+@pytest.mark.thorough(ordinary=5)
 @pytest.mark.parametrize("edit", OF_THE_ENDS)
 def test_a_wrong_edit_of_what_is_believed_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """What is told of a counted train holds it; not of one whose trailing end is believed too soon or too far in."""

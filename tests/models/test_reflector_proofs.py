@@ -46,6 +46,7 @@ def test_the_sound_machine_keeps_its_lemmas() -> None:
     assert inductive(made.machine, named(made, "containment"))
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize(
     ("dropped", "broken"),
     [
@@ -108,6 +109,7 @@ def test_a_continuation_from_the_balise_is_noticed() -> None:
     assert not inductive(broken, named(made, "goes on from the last position"), "goes on from the last position")
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize(
     ("transition", "fields", "prop"),
     [

@@ -276,7 +276,7 @@ def test_everything_is_proved(channels: int) -> None:
     assert [] == _unproved(model, seconds=60 if channels == 4 else 600)
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("drift_check", ["where present", "required"])
 def test_false_signals_lead_no_farther_than_told(drift_check: Literal["where present", "required"]) -> None:
     """With nothing assumed of any signal: the distance between position and truth is bounded, without a bound on time."""
@@ -503,6 +503,7 @@ def _uncharged(kind: Kind, left_out: tuple[str, ...], monkeypatch: pytest.Monkey
     return compose_machines(CONFIG)
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("left_out", LEFT_OUT, ids=" and ".join)
 def test_a_term_that_is_not_added_is_noticed(

@@ -267,7 +267,7 @@ EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
 }
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """SAT-1, SAT-3, SAT-4, SAT-D1: each part of what the selection judges by."""
@@ -302,6 +302,7 @@ def _wrong_by(model: selection.Selection, quantity: Quantity) -> tuple[Num, Bool
     return one.speed_error, hidden & between(-config.speed_clock_mm_s, own.clock_mm_s, config.speed_clock_mm_s)
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("quantity", "most"), [("range", 14_700), ("speed", 1_950)])
 def test_the_bound_of_a_usable_satellite_is_tight(quantity: Quantity, most: int) -> None:
     """Threshold, prediction and clock together: 14.7 m and 1.95 m/s are never reached; 1 mm, or 1 mm/s, less is, in a run."""

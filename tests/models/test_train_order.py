@@ -72,6 +72,7 @@ def test_nobodys(last: dict[str, Cell]) -> None:
     assert whose(cycle(ONE, enters_low=1), cycle(ONE, TWO, enters_low=2), last)[-1] == (0, 0, 0)
 
 
+@pytest.mark.thorough
 def test_everything_is_proved() -> None:
     """All properties and lemmas, without bound."""
     assert unproved_of(made().machine, properties(made())) == {}

@@ -94,6 +94,7 @@ EDITS: dict[str, tuple[str, Wrong, str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=5)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The claim that is named is kept by the machine as it is, and not by the one that was edited wrongly."""

@@ -384,6 +384,7 @@ EDITS: list[tuple[str, Callable[[Judgement], object], str]] = [
 ]
 
 
+@pytest.mark.thorough(ordinary=6)
 @pytest.mark.parametrize(("name", "wrong", "broken"), EDITS, ids=[name for name, *_ in EDITS])
 def test_a_wrong_term_is_noticed(
     name: str, wrong: Callable[[Judgement], object], broken: str, monkeypatch: pytest.MonkeyPatch

@@ -98,6 +98,7 @@ SHARP = [
 ]
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize(("claim", "figure"), SHARP, ids=[claim for claim, _ in SHARP])
 def test_one_less_is_refuted_by_a_run(claim: str, figure: str) -> None:
     """The figure of a claim is the least one: with one unit less a run breaks it, with the laws kept."""
@@ -149,6 +150,7 @@ EDITS: dict[str, tuple[str, Callable[[Judgement], object], str]] = {
 }
 
 
+@pytest.mark.thorough(ordinary=5)
 @pytest.mark.parametrize("edit", EDITS)
 def test_a_wrong_edit_is_refuted_by_a_run(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A check that is left out lets the fibre be wrong beyond its figure: a run shows it, with all laws kept."""

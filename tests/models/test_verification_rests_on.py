@@ -18,6 +18,7 @@ def made() -> Verification:
     return build(parts(VerificationConfig()))
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize(
     ("row", "kept", "claim"),
     [

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
+import pytest
+
 from safeloc.report.data import report_data
-from safeloc.report.glossary import words_in
+from safeloc.report.glossary import _glossary, _occurs, _small, words_in  # pyright: ignore[reportPrivateUsage]
 from safeloc.report.page import to_html
+from safeloc.report.run_page import asset
 from tests.report import lamp
 
 
@@ -17,6 +22,18 @@ def test_words_that_occur_are_explained() -> None:
         one.standard and one.meaning and "`" not in one.meaning and "](" not in one.meaning for one in found.values()
     )
     assert [] == words_in("")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["GHO\u017fTS", "w\u0130tness", "W\u0131TNESSES", "c\u212aash claims", "laws\u00df", asset("page.html.jinja")],
+)
+def test_the_words_are_those_of_a_search(text: str) -> None:
+    """Looking at letters first leaves no word out, whichever letters count as the same without case."""
+    every = " ".join(name for one in _glossary() for name in one.here.split(", "))
+    names = {name for one in words_in(every) for name in one.here.split(", ")}
+    searched = {name for name in names if re.search(rf"\b{re.escape(name)}(?:s|es)?\b", text, re.IGNORECASE)}
+    assert searched == {name for name in names if _occurs(name, text, _small(text))}
 
 
 def test_the_page_has_its_words_and_how_to_read_it() -> None:

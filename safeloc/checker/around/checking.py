@@ -15,7 +15,7 @@ from safeloc.checker.around.streams import first_broken, first_outside, ran
 from safeloc.checker.around.tube import Tube
 from safeloc.checker.around.windows import LATE, Piece, Setting, Stretch, first_values, not_shown, show
 from safeloc.checker.dag import Dag
-from safeloc.checker.folder import Checked, Checking, asked, check_target, take_usable
+from safeloc.checker.folder import Checked, Checking, asked, check_target, processes, take_usable
 from safeloc.checker.rules import Theory
 from safeloc.checker.solve import Opinion
 from safeloc.checker.terms import Translation
@@ -170,7 +170,7 @@ class _Check:
         tasks = list(enumerate(_stretches(data, claims, places, self.of.length), 1))
         done = 0
         _INHERITED.append(setting)
-        with multiprocessing.get_context("fork").Pool(self.jobs) as pool:
+        with multiprocessing.get_context("fork").Pool(processes(self.jobs, len(tasks))) as pool:
             for told in pool.imap_unordered(partial(_shown, self.seconds), tasks):
                 done += 1
                 self.progress(done, len(tasks))

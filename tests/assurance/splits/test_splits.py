@@ -128,6 +128,7 @@ def test_acceleration_and_brake_alike_make_a_choice_idle() -> None:
     assert choice not in kinds("guard", GuardConfig(brake_mm_s2=2_500))
 
 
+@pytest.mark.thorough
 def test_an_offset_of_zero_makes_a_charge_idle() -> None:
     """The reflector's radar at the front end; behind it the offset is in the terms."""
     charges = {one for one in kinds("reflector", ReflectorConfig()) if "radar_offset" in one or "offset_mm" in one}

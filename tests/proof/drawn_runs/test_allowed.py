@@ -37,6 +37,7 @@ CONDITIONS = [
 ]
 
 
+@pytest.mark.thorough(ordinary=8)
 @pytest.mark.parametrize("term", CONDITIONS, ids=range(len(CONDITIONS)))
 @given(x=st.integers(-60, 60), y=st.integers(-60, 60), flag=st.booleans())
 def test_segments_are_exactly_where_it_holds(term: Bool, x: int, y: int, flag: bool) -> None:
@@ -47,6 +48,7 @@ def test_segments_are_exactly_where_it_holds(term: Bool, x: int, y: int, flag: b
     assert true == [n for low, high in found for n in range(low, high + 1)]
 
 
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("first", range(0, len(CONDITIONS), 2))
 @given(x=st.integers(-60, 60), y=st.integers(-60, 60), flag=st.booleans(), seed=st.integers(0, 99))
 def test_several_conditions_are_allowed_where_all_hold(first: int, x: int, y: int, flag: bool, seed: int) -> None:

@@ -46,7 +46,7 @@ def test_a_seeded_dead_end_is_found(name: str) -> None:
     admissible_run(system, verdict.trace.initial, [one.inputs for one in verdict.trace.steps])
 
 
-@pytest.mark.thorough(ordinary=10)
+@pytest.mark.thorough(ordinary=4)
 @pytest.mark.parametrize("name", SEEDS)
 def test_a_mended_machine_is_proved_to_last(name: str) -> None:
     """The proof comes with certificates that cvc5 confirms."""
@@ -59,7 +59,7 @@ def test_a_mended_machine_is_proved_to_last(name: str) -> None:
         assert expected == set(decide(file, text, seconds=60))
 
 
-@pytest.mark.thorough(ordinary=22)
+@pytest.mark.thorough(ordinary=8)
 @pytest.mark.parametrize("seed", range(RANDOM))
 def test_random_machines_are_judged_as_by_enumeration(seed: int) -> None:
     """Proved if no reachable state is a dead end, violated by a shortest run otherwise."""

@@ -62,6 +62,7 @@ def test_spacer_proves_what_holds(example: Example) -> None:
     assert len(own) == 3
 
 
+@pytest.mark.thorough(ordinary=4)
 @EVERY
 def test_spacer_does_not_prove_what_fails(example: Example) -> None:
     """A violation that Spacer claims is left to bounded search, which can show it."""

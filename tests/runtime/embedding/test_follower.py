@@ -102,6 +102,7 @@ def moved(fired: Mapping[str, str]) -> list[str]:
     return [name for name in fired.values() if name != STAY_NAME]
 
 
+@pytest.mark.thorough(ordinary=6)
 @pytest.mark.parametrize("small", [False, True])
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: machine.name)
 def test_follows_the_interpreter(machine: Machine, small: bool) -> None:
