@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 
 from safeloc.language.system import TransitionSystem
 from safeloc.models import localizer_track
@@ -14,7 +14,7 @@ from safeloc.properties import localizer_track as claims
 from safeloc.properties import occupied_track as track_claims
 from safeloc.properties import turn_off as course_claims
 from safeloc.reported import Reported
-from safeloc.simulated import SimulatedRun
+from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
@@ -39,7 +39,7 @@ def target(config: LocalizerTrackConfig) -> Target:
     )  # fmt: skip
 
 
-def _simulated(config: LocalizerTrackConfig, seed: int) -> SimulatedRun:
+def _simulated(config: LocalizerTrackConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
     """Return a journey of one of the scenes that ship; the seed selects it, and gives the sensors' errors."""
     from safeloc.models.localizer_track.simulate import (
         drawn,
