@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from safeloc.language.expr import Bool, NumVar, floor_div, ite, maximum, number, with_unit
+from safeloc.language.expr import Bool, Expr, NumVar, Var, floor_div, ite, maximum, number, with_unit
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.spec import Property, always, earlier_num
 from safeloc.language.units import COUNT, MM, NM, PPM_PER_ONE
@@ -50,7 +50,7 @@ def corrected_distance(rates: ReadingRates, *, shift_ppm: int | None = None) -> 
     carried = number("carried_half_nm", COUNT, -_ONE_MM // 2, _ONE_MM // 2 - 1)
     exact = with_unit(measured, COUNT) * (_ONE_MM + difference) + carried
     rounded = floor_div(exact + _ONE_MM // 2, _ONE_MM)
-    update = {corrected: with_unit(rounded, MM), carried: exact - rounded * _ONE_MM}
+    update: dict[Var, Expr] = {corrected: with_unit(rounded, MM), carried: exact - rounded * _ONE_MM}
     machine = Machine(
         name="corrected_distance",
         modes=table,
