@@ -137,6 +137,7 @@ class Entry(Generic[AnyConfig]):
     config          the class of its configuration; `safeloc verify` proves the machine with its defaults
     maker           makes the target from a configuration
     place           its position within its family in `safeloc list`; machines of equal position are sorted by name
+    simulates       its target has a simulation with the defaults; stated here, so that a list of those machines makes none of them
     configurations  further configurations in which it is proved
     no_interval     the reason why it reports no interval; "" for a machine that reports one
     silent          machines of the target that may get no input in a step. Some inputs cannot be absent: truth values, members
@@ -162,6 +163,7 @@ class Entry(Generic[AnyConfig]):
     maker: Callable[[AnyConfig], Target]
     family: Family
     place: int = LAST
+    simulates: bool = False
     configurations: Configurations = Configurations()
     no_interval: str = ""
     hazard: Hazard | None = None

@@ -89,6 +89,7 @@ def test_shipped(name: str) -> None:
     assert found.properties
     assert found.doc
     assert isinstance(found.config, ENTRIES[name].config)
+    assert ENTRIES[name].simulates is (found.simulate is not None)
 
 
 def test_shipped_streams_exist() -> None:

@@ -25,6 +25,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=50,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("line speed beside cycle time", "period_ms:down", "max_speed_mm_s:up"),

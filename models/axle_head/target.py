@@ -24,6 +24,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=40,
+        simulates=True,
         pairs=(
             Pair("line speed beside sampling", "sample_us:down", "max_speed_mm_s:up"),
             Pair("sampling beside line speed", "max_speed_mm_s:down", "sample_us:up"),

@@ -24,6 +24,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=60,
+        simulates=True,
         pairs=(
             Pair("axles in a cycle beside longest train", "axle_limit:down", "axles_a_cycle:up"),
             Pair("longest train beside axles in a cycle", "axles_a_cycle:down", "axle_limit:up"),

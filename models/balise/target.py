@@ -36,6 +36,7 @@ ENTRIES = (
         target,
         Family.MARKERS,
         place=10,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("rate beside constant", "odometer.constant_mm:down", "odometer.rate_ppm:up"),

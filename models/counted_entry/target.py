@@ -45,6 +45,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=55,
+        simulates=True,
         members=("axle_counter", "train", "verification_doubted"),
         pairs_of=("axle_counter", "verification_doubted"),
         no_interval="Its position may miss the true one as far as `place_doubt_mm`, since nothing is assumed of the fibre.",

@@ -41,6 +41,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=45,
+        simulates=True,
         members=("axle_head", "head_cycle"),
         pairs_of=("axle_head", "axle_counter"),
         no_interval="It reports axles and directions.",

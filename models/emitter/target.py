@@ -25,6 +25,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=80,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("jitter beside time between patterns", "due_cycles:down", "window_cycles:up"),

@@ -49,6 +49,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=10,
+        simulates=True,
         pairs=(
             Pair("rate beside floor", "floor_mm:down", "rate_ppm:up"),
             Pair("floor beside rate", "rate_ppm:down", "floor_mm:up"),
@@ -65,6 +66,7 @@ ENTRIES = (
         coupled,
         Family.FIBRE,
         place=12,
+        simulates=True,
         pairs=(
             Pair("coupling by rods beside unevenness", "coupling_gain_cdb:down", "unevenness_cdb:up"),
             Pair("coupling by dampers beside unevenness", "damper_loss_cdb:down", "unevenness_cdb:up"),

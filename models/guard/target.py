@@ -36,6 +36,7 @@ ENTRIES = (
         target,
         Family.RECEIVER,
         place=10,
+        simulates=True,
         pairs=(
             Pair("error of fixes beside charge off the track", "offset_charge_permille:down", "fix_error_mm:up"),
             Pair("charge off the track beside error of fixes", "fix_error_mm:down", "offset_charge_permille:up"),

@@ -114,6 +114,7 @@ LOCALIZER = Entry(
     target,
     Family.LOCALIZER,
     place=30,
+    simulates=True,
     members=(
         "motion",
         "odometry",

@@ -32,6 +32,7 @@ from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import Cell
+from safeloc.simulated import SimulatedRun
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
 
@@ -111,6 +112,14 @@ def _on_board(config: str) -> Compiled:
 def simulate(config: LocalizerTrackConfig, scene: Scene, *, seed: int) -> Steps:
     """Return the journey as steps: inputs, ghosts, and the remark `truth_mm` (the true place on the true edge, rounded down)."""
     return list(_Run(config, scene).steps(seed))
+
+
+def drawn(config: LocalizerTrackConfig, seed: int) -> SimulatedRun:
+    """Return a journey of one of the scenes, which the seed selects; each seed draws errors of its own."""
+    scenes = [scene for _, scene in SCENES.values()]
+    run = _Run(config, scenes[seed % len(scenes)])
+    first = run.first  # before the vehicle leaves its first edge
+    return SimulatedRun(list(run.steps(seed)), first)
 
 
 class _Run:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 
 from safeloc.language.system import TransitionSystem
 from safeloc.models import localizer_track
@@ -14,6 +14,7 @@ from safeloc.properties import localizer_track as claims
 from safeloc.properties import occupied_track as track_claims
 from safeloc.properties import turn_off as course_claims
 from safeloc.reported import Reported
+from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
@@ -33,8 +34,18 @@ def target(config: LocalizerTrackConfig) -> Target:
     }
     return Target(
         NAME, system.machines, system, properties, config, DOC, recorded(NAME), _reported(config, system),
-        pictures=(picture(config.track, _shipped, "occupied_track."),), members=members, sections={**SECTIONS, "occupied_track": "track"},
+        simulate=lambda seed: _simulated(config, seed), pictures=(picture(config.track, _shipped, "occupied_track."),),
+        members=members, sections={**SECTIONS, "occupied_track": "track"},
     )  # fmt: skip
+
+
+def _simulated(config: LocalizerTrackConfig, seed: int) -> Sequence[Mapping[str, Cell]]:
+    """Return a journey of one of the scenes that ship; the seed selects it, and gives the sensors' errors."""
+    from safeloc.models.localizer_track.simulate import (
+        drawn,
+    )  # numpy and the map are loaded only where something is simulated
+
+    return drawn(config, seed)
 
 
 def _shipped() -> Collection[str]:
@@ -61,8 +72,10 @@ ENTRIES = (
         target,
         Family.LOCALIZER,
         place=35,
+        simulates=True,
         members=("motion", "balise", "arbitration", "delocalized", "uplink", "turn_off", "occupied_track"),
         pairs_of=("balise", "turn_off", "occupied_track"),
+        silent=("uplink",),
         hazard=Hazard(
             "a track is told on which the vehicle is not",
             ("occupied_track: the true track is carried", "occupied_track: a track that is told is the true one"),

@@ -61,6 +61,7 @@ ENTRIES = (
         target,
         Family.ODOMETRY,
         place=40,
+        simulates=True,
         members=("vehicle", "guard", "odometry", "delocalized"),
         pairs_of=("odometry", "guard"),
         configurations=CONFIGURATIONS,

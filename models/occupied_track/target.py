@@ -48,6 +48,7 @@ ENTRIES = (
         target,
         Family.LOCALIZER,
         place=15,
+        simulates=True,
         pairs=(
             Pair("line speed beside cycle time", "period_ms:down", "max_speed_mm_s:up", "design"),
             Pair("cycle time beside line speed", "max_speed_mm_s:down", "period_ms:up", "design"),

@@ -38,6 +38,7 @@ ENTRIES = (
         target,
         Family.ODOMETRY,
         place=10,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("rate beside constant", "first_unit.constant_mm:down", "first_unit.rate_ppm:up"),

@@ -38,6 +38,7 @@ ENTRIES = (
         target,
         Family.MARKERS,
         place=20,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("rate beside constant", "odometer.constant_mm:down", "odometer.rate_ppm:up"),

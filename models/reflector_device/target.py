@@ -62,6 +62,7 @@ ENTRIES = (
         target,
         Family.MARKERS,
         place=70,
+        simulates=True,
         members=("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point"),
         pairs_of=("balise", "reflector", "turn_off", "stop_point"),
         configurations=CONFIGURATIONS,

@@ -45,6 +45,7 @@ ENTRIES = (
         target,
         Family.SATELLITES,
         place=10,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("noise beside threshold of ranges", "range_threshold_mm:up", "range_noise_mm:up", "design"),

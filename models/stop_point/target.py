@@ -35,6 +35,7 @@ ENTRIES = (
         target,
         Family.MARKERS,
         place=30,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("brakes beside speed error", "speed_error_mm_s:down", "brake_mm_s2:down"),

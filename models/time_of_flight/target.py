@@ -28,6 +28,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=15,
+        simulates=True,
         pairs=(
             Pair("rate of pulses beside length of the fibre", "pulse_hz:up", "fibre_mm:up"),
             Pair("error of the index beside length of the fibre", "index_error_ppm:up", "fibre_mm:up"),

@@ -30,6 +30,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=70,
+        simulates=True,
         no_interval="It tells whose a pattern is.",
         hazard=Hazard(
             "a pattern is taken for that of another train",

@@ -39,6 +39,7 @@ ENTRIES = (
         target,
         Family.MARKERS,
         place=15,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=(
             Pair("rate beside constant", "odometer.constant_mm:down", "odometer.rate_ppm:up"),

@@ -53,6 +53,7 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=20,
+        simulates=True,
         configurations=CONFIGURATIONS,
         pairs=_PAIRS,
         silent=("verification",),

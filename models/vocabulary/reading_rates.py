@@ -63,6 +63,6 @@ class Correction:
     def distance_mm(self, measured_mm: int) -> int:
         """Return the corrected distance of a cycle in whole mm. Call it once for each distance that the unit delivers."""
         exact = measured_mm * (1 + self._shift) + self._carried_mm
-        rounded = round(exact)
+        rounded = math.floor(exact + Fraction(1, 2))
         self._carried_mm = exact - rounded
         return rounded

@@ -84,7 +84,7 @@ def _machine(target: str, where: Path, config: Path | None, of_lines: list[str],
         raise typer.BadParameter(f"{', '.join(of_lines)} is for lines, and {target!r} is no line.")
     loaded = load_target(target, config, with_recordings=False)
     if loaded.simulate is None:
-        able = [name for name in ENTRIES if load_target(name).simulate is not None]
+        able = [name for name, entry in ENTRIES.items() if entry.simulates]
         own = (
             "; declare a function `simulate` of a seed beside it, which returns the steps of a run"
             if ":" in target

@@ -6,12 +6,13 @@ import gzip
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
 
 from safeloc.assurance.requirements import requirements
-from safeloc.catalogue import ENTRIES
+from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.report.data import schema
 from safeloc.report.file_names import file_names
 from safeloc.runtime.streams.columns import read_runs
@@ -95,6 +96,22 @@ def test_list_properties(call: Call) -> None:
     rows = json.loads(call("list", "properties", "--json").out)
     tolerance = next(row for row in rows if (row["machine"], row["name"]) == ("odometry", "tolerance"))
     assert "MRK-D1" in tolerance["requirements"]
+
+
+def test_a_machine_without_a_simulation_is_refused_at_once(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The message names the machines that have one, and none of them is made for it."""
+    made: list[str] = []
+
+    def load(name: str, _: object, **options: Any) -> Target:
+        made.append(name)
+        return load_target(name, None, **options)
+
+    monkeypatch.setattr("safeloc.cli.simulate.load_target", load)
+    called = call("simulate", "delocalized", "--out", "x.jsonl")
+    assert called.code == 2
+    assert ["delocalized"] == made
+    assert "delocalized has no simulation; these machines have one: odometry, marker_device, " in called.err
+    assert all(name in called.err for name, entry in ENTRIES.items() if entry.simulates)
 
 
 @pytest.mark.parametrize(

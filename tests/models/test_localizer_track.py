@@ -11,8 +11,10 @@ from safeloc.catalogue import load_target
 from safeloc.language.expr import TRUE
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine
+from safeloc.language.monitor import check_all
+from safeloc.language.nodes import Value
 from safeloc.language.trace import Step
-from safeloc.language.verdict import Violated
+from safeloc.language.verdict import Held, Violated
 from safeloc.models import localizer_track, occupied_track
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer_track import NAME, LocalizerTrack, LocalizerTrackConfig, compose_machines
@@ -30,6 +32,7 @@ from safeloc.properties.localizer_track import properties
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.streams.steps import read_steps
+from safeloc.simulated import Steps, first_values
 from tests.models.inductive import inductive_in
 from tests.models.owed_contracts import Wires, contract
 
@@ -215,3 +218,19 @@ def test_the_recordings_tell_the_true_track(name: str, edges: list[str], never: 
     said = [edge for edge, _ in dict.fromkeys(told(one, seen) for one in trace.steps) if edge]
     assert said == edges
     assert never not in said
+
+
+def test_a_simulated_run_begins_where_the_vehicle_stands() -> None:
+    """The first values are those of its scene, before the vehicle leaves its first edge, so the assumption holds where the first group is read."""
+    drawn = load_target(NAME, with_recordings=False).simulate
+    assert drawn is not None
+    steps, recorded = drawn(4), RUNS[f"{NAME}-other-branch"]
+    assert recorded.first == first_values(steps)
+    model = compose_machines()
+    trace = run(model.composition.system, _first_of(steps, 150), first=first_values(steps))
+    assert all(isinstance(verdict, Held) for verdict in check_all(trace, properties(model)))
+
+
+def _first_of(steps: Steps, many: int) -> list[dict[str, Value | str]]:
+    """Return the first steps, without the remark."""
+    return [{name: cell for name, cell in step.items() if name != "truth_mm"} for step in steps[:many]]
