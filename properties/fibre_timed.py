@@ -70,13 +70,13 @@ def _is_compared(whole: FibreTimed) -> Bool:
 
 
 def _reason(whole: FibreTimed) -> Num:
-    """Why the end is not located; once F came, why it came."""
+    """Reason for which the end is not located; once F came, the reason of F."""
     return whole.composition.of(whole.sections.machine).num(whole.sections.machine.output("reason"))
 
 
 def _came_before(whole: FibreTimed) -> Bool:
     """The amplitude came in the cycle before."""
-    return earlier_bool(whole.composition.of(whole.additional.machine).bool(whole.additional.own.heard))
+    return earlier_bool(whole.composition.of(whole.additional.machine).bool(whole.additional.own.amplitude_came))
 
 
 def _signal_edge(whole: FibreTimed) -> Num:

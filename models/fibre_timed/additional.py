@@ -52,7 +52,7 @@ class Parts:
 
     amplitude            shared with the fibre machine: the pattern's amplitude
     position, below, above  the place by time of flight of this cycle, and its margins
-    place                the place that is compared; heard: the amplitude came in this cycle
+    place                the place that is compared; amplitude_came: the amplitude came in this cycle
     why                  why a place is compared, or not
     truth, next_truth    ghosts: the true place of the end, nm
     """
@@ -66,7 +66,7 @@ class Parts:
         self.below = declared.sensor(number("margin_below_mm", MM, 0, 2 * wide))
         self.above = declared.sensor(number("margin_above_mm", MM, 0, 2 * wide))
         self.place: NumVar = declared.state(number("compared_place_mm", MM, -limit, limit), first=0)
-        self.heard = declared.state(boolean("amplitude_came"), first=False)
+        self.amplitude_came = declared.state(boolean("amplitude_came"), first=False)
         self.why = declared.state(choice("why", enumeration(WHY)), first=NO_PLACE)
         self.truth = declared.ghost(number("truth_nm", NM, -line, line), first=ANY)
         self.next_truth = declared.choice(number("next_truth_nm", NM, -line, line))
@@ -118,10 +118,10 @@ def _holds(own: Parts, truth: Num) -> Bool:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     not_compared, compared = table
-    came: Updates = {own.heard: own.amplitude.present}
+    came: Updates = {own.amplitude_came: own.amplitude.present}
     flaws = [
         (~own.position.present, NO_PLACE),
-        (~own.heard, AMPLITUDE_MISSED),
+        (~own.amplitude_came, AMPLITUDE_MISSED),
         ((own.below > own.margin_mm) | (own.above > own.margin_mm), TOO_WIDE),
         (~between(-own.limit_mm, own.position.value, own.limit_mm), OFF_THE_LINE),
     ]

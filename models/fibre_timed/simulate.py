@@ -26,7 +26,7 @@ _OF_THE_WHOLE = ("amplitude_cdb", "true_run_nm")
 
 @dataclass(frozen=True)
 class Timed:
-    """What is told of the time of flight on a run.
+    """Times and surveyed points that are told on a run.
 
     points_mm   distance between surveyed points; the nearest one is asked
     untimed     cycles without a delay
@@ -89,11 +89,20 @@ def _few_points(config: FibreTimedConfig) -> Steps:
     return timed(config, Drive(steady(30_000, 110), flight_off_mm=None), Timed(points_mm=4_000_000), seed=3)
 
 
+def _code(config: FibreTimedConfig) -> Steps:
+    drive = Drive(steady(45_000, 290), referred=False, flight_off_mm=None)
+    return timed(config, drive, Timed(), seed=6)
+
+
 RUNS: Mapping[str, WorkedRun[FibreTimedConfig]] = {
     "fibre_timed-service": WorkedRun(
         "A train runs past a localization section: its place by the time of flight is compared in each cycle with a delay, except in the "
         "one after a missed amplitude, and agrees.",
         _lawful,
+    ),
+    "fibre_timed-code": WorkedRun(
+        "No reference is known: the end is located by the fifth section of the code, and from there on compared with its time of flight.",
+        _code,
     ),
     "fibre_timed-few-points": WorkedRun(
         "Surveyed points lie 4 km apart: some 600 m beyond one the place by time of flight is too wide to be compared, and the end stays located.",
