@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, abs_, all_of, before, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, abs_, all_of, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import NM, NM_PER_MM
 from safeloc.models.fibre import variables as v
@@ -171,7 +171,7 @@ def _differs(whole: FibreTimed) -> Iterator[Property]:
     """Claim F by what is reported of the time of flight, at a position signal and between them."""
     own, into, machine = whole.sections.own, whole.composition.of(whole.sections.machine), whole.sections.machine
     threshold, place = whole.config.fibre.flight_threshold_mm, _of_flight(whole, "position_mm")
-    located = before(into.num(machine.mode)).eq(machine.modes[2])
+    located = earlier_bool(into.num(machine.mode).eq(machine.modes[2]))
     calm = located & ~into.bool(own.reference_accepted) & _is_compared(whole)
     error = into.bool(machine.flag("error"))
     signal = into.num(machine.output("section_event")).eq(v.POSITION_SIGNAL)
