@@ -162,6 +162,13 @@ def _handed(whole: FibreTimed) -> Iterator[Property]:
         into.bool(given.present).iff(_is_compared(whole)) & ite(_is_compared(whole), same, handed.eq(NO_POSITION_MM)),
         statement="the sections are compared with the place that the time of flight reports in this cycle, and with none where it is not compared",
     )
+    yield for_all_inputs(
+        "a missed amplitude is remembered for a cycle",
+        of_additional.bool(whole.additional.own.amplitude_came).iff(
+            of_additional.bool(whole.additional.own.amplitude.present)
+        ),
+        statement="it is known in the next cycle whether the amplitude came in this one",
+    )
 
 
 # ------------------------------------------------------------------ F
