@@ -70,10 +70,10 @@ def _step(config: TimeOfFlightConfig, ride: Ride, cycle: int, rng: Random) -> di
     }  # fmt: skip
     if cycle in ride.unmeasured:
         return step | ghosts
-    return step | ghosts | {"delay_ps": _delay_ps(config, origin_um, rng)}
+    return step | ghosts | {"delay_ps": delay_ps(config, origin_um, rng)}
 
 
-def _delay_ps(config: TimeOfFlightConfig, origin_um: int, rng: Random) -> int:
+def delay_ps(config: TimeOfFlightConfig, origin_um: int, rng: Random) -> int:
     """Return the delay as measured: with an index and a time that are each wrong by up to nine tenths of their errors."""
     wrong_index = config.index_ppm * config.index_error_ppm * 9 // (10 * PPM_PER_ONE)
     index = config.index_ppm + rng.randint(-wrong_index, wrong_index)
