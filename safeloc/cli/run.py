@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import selectors
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
@@ -20,8 +20,10 @@ from safeloc.railway.trackside.area_fleet import AreaFleet, VehicleReports
 from safeloc.railway.trackside.wiring import Wiring, load_wiring
 from safeloc.runtime.embedding import Program
 from safeloc.runtime.embedding.arguments import period_of
-from safeloc.runtime.service.address import address
+from safeloc.runtime.service.address import Address, address
+from safeloc.runtime.service.broker.connection import load_paho
 from safeloc.runtime.service.broker.division import Division
+from safeloc.runtime.service.broker.epochs import require_layout
 from safeloc.runtime.service.broker.settings import Broker, is_broker, read_broker
 from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.clock_lag import LONGEST_GAP_MS
@@ -30,7 +32,7 @@ from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.loop import Loop, exit_code
 from safeloc.runtime.service.messages import VEHICLE
-from safeloc.runtime.service.metrics import Metrics
+from safeloc.runtime.service.metrics import Metrics, load_prometheus
 from safeloc.runtime.service.outlets import Outlet, Stdout, ToFile
 from safeloc.runtime.service.saving import Saver, claimed, read_saved
 from safeloc.runtime.service.station import Parts, Station, Work
@@ -39,11 +41,13 @@ from safeloc.runtime.service.tcp import TcpPort
 from safeloc.runtime.service.tracing import Tracer
 from safeloc.runtime.service.udp import UdpPort
 from safeloc.runtime.service.watchdog import Watchdog
+from safeloc.runtime.service.workers import Link, Workers
 from safeloc.runtime.streams.gzipped import is_packed
 
 _STDOUT, STDERR = 1, 2
 _VEHICLES_PER_PEER = 250
 _BACK = "back"
+_MOST_PROCESSES, _LAST_PORT = 64, 65_535
 
 
 def run(
@@ -86,6 +90,15 @@ def run(
     trackside: Annotated[
         Path | None,
         typer.Option("--trackside", help="TOML with areas of `sections`, fed by the vehicles' reports on the broker"),
+    ] = None,
+    processes: Annotated[
+        int | None,
+        typer.Option(
+            "--processes",
+            help="with a broker: prepare the machine once, fork so many workers, and start each again that ends",
+            min=1,
+            max=_MOST_PROCESSES,
+        ),
     ] = None,
     watchdog_ms: Annotated[
         int | None,
@@ -143,35 +156,36 @@ def run(
         expected=_expected(expect), first=_first(first), assumptions=assumptions,
     )  # fmt: skip
     journal, programs = Journal(STDERR), _programs(target, vehicles)
-    selector = getattr(
-        selectors, "PollSelector", selectors.SelectSelector
-    )()  # no other kind of selector accepts a file as standard input
+    selector = _selector()
     longest_s = None if watchdog_ms is None else ((period + watchdog_ms) / 1_000, period / 1_000)
 
-    metrics = None if metrics_port is None else Metrics(address(metrics_port))
-    tracer = None
-    if metrics is not None or log_cycles:
-        tracer = Tracer(journal if log_cycles else None, None if metrics is None else metrics.observe)
-    if metrics is not None:
-        journal.info("metrics", port=metrics.port)
+    def new_fleet() -> Fleet:
+        if wiring is None or broker is None or broker.codes is None:
+            return Fleet(program, settings, programs)
+        return AreaFleet(program, settings, wiring, broker.codes, Topics(broker.prefix, broker.partitions))
+
+    supervised, parent = Supervised(alive), None
+    if broker is not None:
+        _require_usable(sink, snapshot, fresh=fresh, to_its_end=to_its_end)
+    metrics_at = None if metrics_port is None else address(metrics_port)
+    if processes is not None:
+        link = _forked(processes, broker, snapshot, new_fleet, Workers(processes, journal, supervised), metrics_at)
+        journal, parent, supervised = Journal(STDERR, worker=link.number), link.sock, Supervised(None, {}, link.tell)
+        metrics_at = None if metrics_at is None else _port_of(metrics_at, link.number)
+    metrics = None if metrics_at is None else Metrics(metrics_at)
+    tracer = _tracer(journal, metrics, log_cycles=log_cycles)
 
     def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None) -> Parts:
         watchdog = None if longest_s is None else Watchdog(*longest_s)
-        if wiring is None or broker is None or broker.codes is None:
-            fleet = Fleet(program, settings, programs)
-        else:
-            fleet = AreaFleet(program, settings, wiring, broker.codes, Topics(broker.prefix, broker.partitions))
-        return Parts(feed, outlet, fleet, journal, saver, every_ms / 1_000, watchdog, tracer)
+        return Parts(feed, outlet, new_fleet(), journal, saver, every_ms / 1_000, watchdog, tracer)
 
-    supervised = Supervised(alive)
     if broker is not None:
-        _require_usable(sink, snapshot, fresh=fresh, to_its_end=to_its_end)
         assert snapshot is not None
         work: Work = Division(
             broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal,
             None if wiring is None else VehicleReports(wiring, broker.partitions),
         )  # fmt: skip
-        Loop(work, selector, journal, supervised, metrics).run()
+        Loop(work, selector, journal, supervised, metrics, parent).run()
     else:
         feed = _feed(source, journal, to_its_end=to_its_end)
         parts = parts_of(feed, _outlet(sink, feed, selector), None)
@@ -179,6 +193,50 @@ def run(
             work = Station(parts) if snapshot is None else _resumed(snapshot, parts, fresh=fresh)
             Loop(work, selector, journal, supervised, metrics).run()
     raise typer.Exit(exit_code(work))
+
+
+def _selector() -> selectors.BaseSelector:
+    """Return a selector of the only kind that accepts a file as standard input."""
+    made: selectors.BaseSelector = getattr(selectors, "PollSelector", selectors.SelectSelector)()
+    return made
+
+
+def _tracer(journal: Journal, metrics: Metrics | None, *, log_cycles: bool) -> Tracer | None:
+    """Return what follows each cycle for the log and the figures, if any of them is wanted; log where the figures are."""
+    if metrics is not None:
+        journal.info("metrics", port=metrics.port)
+    if metrics is None and not log_cycles:
+        return None
+    return Tracer(journal if log_cycles else None, None if metrics is None else metrics.observe)
+
+
+def _forked(
+    processes: int, broker: Broker | None, snapshot: Path | None, new_fleet: Callable[[], Fleet], workers: Workers,
+    metrics_at: Address | None,
+) -> Link:  # fmt: skip
+    """Prepare what all workers need, then fork them; return in a worker only. The parent ends when all have ended."""
+    if broker is None or snapshot is None:
+        raise typer.BadParameter("--processes is for --from mqtt://... or mqtts://...: a broker divides the vehicles.")
+    if broker.partitions < processes:
+        raise typer.BadParameter(f"--processes {processes}: more than the {broker.partitions} partitions of the fleet.")
+    if metrics_at is not None:
+        _port_of(metrics_at, processes - 1)
+        load_prometheus()
+    require_layout(snapshot, broker.partitions)
+    load_paho()
+    new_fleet().make_ready_to_save()
+    ended = workers.run()
+    if isinstance(ended, int):
+        raise typer.Exit(ended)
+    return ended
+
+
+def _port_of(first: Address, number: int) -> Address:
+    """Return the address of a worker's figures: the port that was given, plus its number; 0 stays any port."""
+    port = first.port + number if first.port else 0
+    if port > _LAST_PORT:
+        raise typer.BadParameter(f"--metrics {first.port}: worker {number} would have port {port}; give a lower one.")
+    return replace(first, port=port)
 
 
 def _wiring(path: Path, program: Program, source: str, first: list[str] | None, vehicles: list[str] | None) -> Wiring:

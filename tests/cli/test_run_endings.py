@@ -72,6 +72,12 @@ FROM = ("--from", "mqtt://localhost/fleet")
         ((*FROM, "--snapshot", "new", "--broker", "one"), "one: user: Input should be a valid string"),
         (("--from", "mqtt://broker.example/fleet", "--snapshot", "new"), "without TLS only loopback is allowed"),
         (("--from", "file:one", "--broker", "one"), "--broker is for --from mqtt://... or mqtts://..."),
+        (("--from", "file:one", "--processes", "2"), "--processes is for --from mqtt://... or mqtts://..."),
+        ((*FROM, "--snapshot", "new", "--processes", "17"), "--processes 17: more than the 16 partitions of the fleet"),
+        (
+            (*FROM, "--snapshot", "new", "--processes", "2", "--metrics", "65535"),
+            "--metrics 65535: worker 1 would have port 65536; give a lower one",
+        ),
     ],
 )
 def test_options_that_mean_nothing_with_a_broker(

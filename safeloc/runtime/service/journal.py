@@ -16,10 +16,10 @@ _SHORTER = (1_000, 200, 40)
 
 
 class Journal:
-    """A log on a file descriptor. If its reader is too slow, lines are left out and counted."""
+    """A log on a file descriptor. If its reader is too slow, lines are left out and counted. `common`: in every line."""
 
-    def __init__(self, fd: int) -> None:
-        self._fd = fd
+    def __init__(self, fd: int, **common: object) -> None:
+        self._fd, self._common = fd, common
         self._second = 0
         self._written: dict[str, int] = {}
         self._left_out = 0
@@ -43,7 +43,7 @@ class Journal:
         left_out = {"left_out": self._left_out} if self._left_out else {}
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         head = {"time": now, "level": level, "event": event}
-        if self._written_out(_fitting(head, {**fields, **left_out})):
+        if self._written_out(_fitting(head, {**self._common, **fields, **left_out})):
             self._left_out = 0
         else:
             self._left_out += 1

@@ -10,6 +10,7 @@ import gc
 import os
 import selectors
 import signal
+import socket
 import sys
 import time
 from collections.abc import Iterator
@@ -32,12 +33,13 @@ _LAST_TURN_S = 1.0
 
 
 class Loop:
-    """The loop; it runs until its work is over or a signal stops it."""
+    """The loop; it runs until its work is over, a signal stops it, or the tie to its parent ends (workers.py)."""
 
     def __init__(
         self, work: Work, selector: selectors.BaseSelector, journal: Journal, supervised: Supervised | None = None,
-        metrics: Metrics | None = None,
+        metrics: Metrics | None = None, parent: socket.socket | None = None,
     ) -> None:  # fmt: skip
+        self._parent = parent
         self._work, self._selector, self._journal, self._metrics = work, selector, journal, metrics
         self._supervised = supervised or Supervised(None, {})
         self._stop = ""
@@ -88,6 +90,8 @@ class Loop:
         os.set_blocking(reading, False)
         os.set_blocking(writing, False)
         self._selector.register(reading, selectors.EVENT_READ, lambda _mask: self._woken(reading))
+        if self._parent is not None:
+            self._selector.register(self._parent, selectors.EVENT_READ, lambda _mask: self._parent_ended())
         handled = [number for number in _STOPPING if signal.getsignal(number) is not signal.SIG_IGN]
         before = {number: signal.signal(number, self._request_stop) for number in handled}
         wakeup = signal.set_wakeup_fd(writing)
@@ -98,11 +102,21 @@ class Loop:
             for number, handler in before.items():
                 signal.signal(number, handler)
             self._selector.unregister(reading)
+            if self._parent is not None:
+                self._selector.unregister(self._parent)
             os.close(reading)
             os.close(writing)
 
     def _request_stop(self, number: int, _frame: object) -> None:
-        self._stop = signal.Signals(number).name
+        self._stop_now(signal.Signals(number).name)
+
+    def _parent_ended(self) -> Iterator[Event]:
+        """Stop: a parent says nothing over the tie, so what can be read is its end."""
+        self._stop_now("the parent ends")
+        yield from ()
+
+    def _stop_now(self, why: str) -> None:
+        self._stop = self._stop or why
         self._work.stop_by = min(self._work.stop_by, time.monotonic() + _LAST_TURN_S)
 
     def _woken(self, reading: int) -> Iterator[Event]:

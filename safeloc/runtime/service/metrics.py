@@ -35,7 +35,7 @@ class Metrics:
     """The figures, and the server that shows them."""
 
     def __init__(self, where: Address) -> None:
-        client = _prometheus()
+        client = load_prometheus()
         self._family = client.core
         self._latest: Mapping[str, int] = {}
         self._noted_at = 0.0
@@ -77,7 +77,8 @@ class Metrics:
         self._server.server_close()
 
 
-def _prometheus() -> Any:
+def load_prometheus() -> Any:
+    """Return prometheus_client; InputError where it is not installed."""
     try:
         import prometheus_client
         import prometheus_client.core

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from safeloc.errors import InputError
@@ -16,18 +16,25 @@ from safeloc.errors import InputError
 _FILE_EVERY_S = 1.0
 """Seconds between two touches of the file."""
 
+_TELL_EVERY_S = 1.0
+"""Seconds between two signs to the parent of a worker."""
+
 
 class Supervised:
     """The signs of life of this process.
 
     alive        a file that is touched while the process runs, and removed at a regular end; None: no file
     environment  NOTIFY_SOCKET and WATCHDOG_USEC, as set by systemd; without them there are no notifications
+    tell         hears each sign instead of systemd: the parent of a worker, once a second
     """
 
-    def __init__(self, alive: Path | None = None, environment: Mapping[str, str] = os.environ) -> None:
-        self._alive = alive
+    def __init__(
+        self, alive: Path | None = None, environment: Mapping[str, str] = os.environ,
+        tell: Callable[[str], None] | None = None,
+    ) -> None:  # fmt: skip
+        self._alive, self._tell = alive, tell
         self._address = environment.get("NOTIFY_SOCKET", "")
-        self.every_s = _every_s(environment, alive)
+        self.every_s = _every_s(environment, alive) if tell is None else _TELL_EVERY_S
         self._last = 0.0
 
     def ready(self) -> None:
@@ -62,6 +69,9 @@ class Supervised:
             raise InputError(f"{self._alive}: cannot be written: {error.strerror}.") from error
 
     def _notify(self, text: str) -> None:
+        if self._tell is not None:
+            self._tell(text)
+            return
         if not self._address.startswith(("/", "@")):
             return
         where = f"\0{self._address[1:]}" if self._address.startswith("@") else self._address

@@ -139,7 +139,7 @@ class Connection:
     # ------------------------------------------------------------------ paho
 
     def _made(self, session: str, will: tuple[str, bytes]) -> Client:
-        mqtt = _paho()
+        mqtt = load_paho()
         client: Client = mqtt.Client(
             mqtt.CallbackAPIVersion.VERSION2, session, clean_session=not self._lasting, protocol=mqtt.MQTTv311,
             reconnect_on_failure=False, manual_ack=self._lasting,
@@ -217,7 +217,8 @@ def _decrypted(sock: Any) -> int:
     return int(sock.pending()) if hasattr(sock, "pending") else 0
 
 
-def _paho() -> Any:
+def load_paho() -> Any:
+    """Return the client of paho-mqtt; InputError where it is not installed."""
     try:
         from paho.mqtt import client
     except ImportError as error:

@@ -153,14 +153,19 @@ class Division(Work):
 
     def _hear_one(self, topic: str, payload: bytes, now: float) -> None:
         last = self._topics.last_level(topic)
+        gone = False
         if topic == self._topics.process(last):
+            gone = not payload
             self._leases.heard_process(last[:64], now, there=bool(payload))
         elif topic == self._topics.lease(last) and last.isdecimal() and int(last) < self._broker.partitions:
             owner = read_owner(payload)
             if owner is None:
                 self._journal.warning("message refused", topic=topic[:200], why="no lease")
             else:
+                gone = not owner
                 self._leases.heard_lease(int(last), owner, now)
+        if gone:
+            self._decide_at = now  # what is free is taken in this turn
 
     def _reconnect(self, now: float) -> None:
         if self._subscribed_at is not None:
