@@ -14,7 +14,7 @@ from tests.assurance.mutation.shop import outcome
 WHY = "Nothing safe rests on what is counted here."
 
 
-@pytest.mark.thorough
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(("name", "most"), [("axle_head", 16), ("delocalized", 30)])
 def test_a_sample_of_a_shipped_machine(name: str, most: int, tmp_path: Path) -> None:
     """Every mutant of a sample is noticed by a proof, is no wrong machine, or has a written reason; most are noticed."""
