@@ -21,9 +21,9 @@ from safeloc.language.units import ONE
 from safeloc.proof.drawn_runs.linear import Segment, Straight, slope_of_gap, straight_of
 
 _FEW = 3
-_TRIED = 0.8
+_TRIED = 0.95
 """Share of the searches that first try a few values."""
-_GIVEN_UP = 0.75
+_GIVEN_UP = 0.95
 """Share of those without success that end there: another variable may do, or the next attempt."""
 
 
