@@ -85,7 +85,8 @@ def unproved(
 ) -> dict[Key, Failure]:
     """Return the goals, by key, that do not follow or are undecided within `seconds` for all goals together.
 
-    core_seconds  how much of them, at most half, is for a proof of all goals that tells the hypotheses that it needs
+    core_seconds  how much of them, at most half, is for a proof of all goals that tells the hypotheses that it needs; 0 where nobody
+                  asks for these: a hypothesis with a switch makes z3 slower
     """
     if not keeping():
         return _failures(query, seconds, seed, core_seconds)
@@ -109,7 +110,7 @@ def countermodel(query: Query[Key], seconds: float, seed: int = 0) -> dict[Var, 
 
 def _failures(query: Query[Key], seconds: float, seed: int, core_seconds: float) -> dict[Key, Failure]:
     asked, ends = _Asked(query, seed), deadline(seconds)
-    failed = asked.with_core(deadline(min(core_seconds, seconds / 2)))
+    failed = asked.with_core(deadline(min(core_seconds, seconds / 2))) if core_seconds else {}
     if len(asked.left) > 1:
         failed |= asked.together(deadline(ends.left / 2))
     if asked.left:

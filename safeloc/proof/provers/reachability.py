@@ -269,7 +269,7 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: 
     for numbers in alike.values():
         wanted = {number: later[number] for number in numbers if number not in possible}
         step = Query("step", relevance.select(hypotheses, wanted.values()), wanted)
-        possible |= set(unproved(step, seconds, core_seconds=seconds / 5))
+        possible |= set(unproved(step, seconds, core_seconds=0.0))
     return {goal for number, goal in enumerate(goals) if number not in possible}
 
 
