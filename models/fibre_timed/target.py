@@ -57,6 +57,7 @@ ENTRIES = (
         Family.FIBRE,
         place=17,
         simulates=True,
+        silent=("time_of_flight",),
         members=("course", "time_of_flight", "additional", "fibre"),
         pairs_of=("fibre", "time_of_flight"),
         configurations=CONFIGURATIONS,
