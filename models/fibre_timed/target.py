@@ -7,12 +7,13 @@ from functools import partial
 
 from safeloc.models import fibre_timed
 from safeloc.models.fibre_timed import NAME, FibreTimedConfig
+from safeloc.models.fibre_timed.configurations import CONFIGURATIONS
 from safeloc.properties import fibre as section_claims
 from safeloc.properties import fibre_timed as claims
 from safeloc.properties import time_of_flight as flight_claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
-from safeloc.target import Entry, Family, Target, recorded
+from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
     "One end of a train on a fibre: its place by localization sections, compared with its place by the time of flight of light, in one step. "
@@ -55,7 +56,19 @@ ENTRIES = (
         target,
         Family.FIBRE,
         place=17,
+        simulates=True,
+        silent=("time_of_flight",),
         members=("course", "time_of_flight", "additional", "fibre"),
         pairs_of=("fibre", "time_of_flight"),
+        configurations=CONFIGURATIONS,
+        hazard=Hazard(
+            "a distance along the fibre or a place by its time is reported that is not the train's, or a place that the time contradicts",
+            (
+                "time_of_flight: the distance holds the vehicle",
+                "time_of_flight: containment",
+                "a time off the section raises F",
+                "a located end agrees with its time",
+            ),
+        ),
     ),
 )

@@ -13,7 +13,7 @@ from safeloc.language.expr import TRUE, as_num
 from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
 from safeloc.language.trace import Trace
-from safeloc.language.units import MM
+from safeloc.language.units import MM, NM
 from safeloc.language.verdict import Proved, Violated
 from safeloc.models import fibre_timed
 from safeloc.models.fibre import FibreConfig
@@ -73,7 +73,12 @@ def _always_there(whole: FibreTimed, _: Wires) -> Wires:
     return {whole.additional.own.position.present: TRUE}
 
 
-@pytest.mark.parametrize("wrong", [_distance_along_the_fibre, _no_margin, _always_there])
+def _light_to_another_end(whole: FibreTimed, _: Wires) -> Wires:
+    """What is timed stands still at the origin, whatever the end does."""
+    return {whole.flight.own.next_truth: as_num(0, NM)}
+
+
+@pytest.mark.parametrize("wrong", [_distance_along_the_fibre, _no_margin, _always_there, _light_to_another_end])
 def test_a_wrong_wire_is_refuted(wrong: object, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the contract of the place; the right wires keep it."""
     changed = rewired(fibre_timed, compose_machines, wrong, monkeypatch)  # type: ignore[arg-type]

@@ -2,7 +2,8 @@
 
 Each contract (a machine's wired inputs are in range; its discharged assumption holds) and each claim is one question. It may use
 the facts of all machines before the step, and those of earlier machines after the step. Facts of the wrong machine are used, too,
-since they were all proved for it. A goal that did not change is not asked again.
+since they were all proved for it. A goal that did not change is not asked again, unless a machine was given another truth: then the
+facts on which it rests say something else.
 """
 
 from __future__ import annotations
@@ -99,7 +100,9 @@ def _judged(
     failed = [
         one.name
         for one in _questions(system, claims, on.canon)
-        if one.name in on.asked and one.goal is not on.asked[one.name] and _fails(one, on.canon, on.limits)
+        if one.name in on.asked
+        and (by_truth or one.goal is not on.asked[one.name])
+        and _fails(one, on.canon, on.limits)
     ]
     if failed:
         return Outcome(results.UNPROVED, tuple(failed), "refuted or not decided in one step of the whole")

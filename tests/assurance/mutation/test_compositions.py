@@ -17,6 +17,7 @@ from safeloc.assurance.mutation.results import Judged, Outcome, by_requirement
 from safeloc.assurance.mutation.rewired import rewired
 from safeloc.assurance.mutation.wires import wire_edits
 from safeloc.assurance.mutation.work import Plan
+from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.language.terms import alike
 from safeloc.proof.cache.store import Store
@@ -113,6 +114,18 @@ def test_a_wire_to_the_truth() -> None:
     noticed = ("no longer proved", ("contract of door holds",))
     assert [noticed, ("survived", ())] == [(one.fate, one.by) for one in truth_judged("wire cut")]
     assert [noticed] * 2 == [(one.fate, one.by) for one in truth_judged("another wire of the same unit")]
+
+
+def test_another_truth_of_an_earlier_machine() -> None:
+    """No term of the contract changes, but the facts on which it rests speak of another truth: it is asked again."""
+    with noted() as places:
+        whole = load_target("fibre_timed")
+    made = composed(whole, places)
+    wrong = ("the wire to next_truth_nm is cut", "wire to next_truth_nm of time_of_flight")
+    [cut] = [edit for edit in wire_edits(made, places) if (edit.mutant.words, *edit.mutant.where) == wrong]
+    assert cut.to_a_ghost
+    outcome = of_wire(composition_bench(made, PLAN.limits), cut)
+    assert ("no longer proved", ("contract of additional holds",)) == (outcome.fate, outcome.by)
 
 
 def truth_judged(kind: str) -> list[Outcome]:
