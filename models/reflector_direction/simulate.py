@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from safeloc.language.nodes import Value
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector.simulate import Reflector
 from safeloc.models.reflector_device import simulate as device
@@ -95,7 +96,7 @@ def simulated(config: ReflectorDirectionConfig, seed: int) -> Steps:
     return simulate(config, COURSES["permitted"], seed=seed)
 
 
-def first_state(config: ReflectorDirectionConfig, course: Course) -> dict[str, bool | int | str]:
+def first_state(config: ReflectorDirectionConfig, course: Course) -> dict[str, Value]:
     """Return first values of the open variables: the vehicle stands at place 0, in the direction of the run."""
     return {**device.first_state(config.device), "travel_direction.runs_along": course.along}
 
