@@ -5,13 +5,7 @@ from __future__ import annotations
 from safeloc.config import Configurations
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.configurations import CONFIGURATIONS as OF_THE_DEVICE
-from safeloc.models.reflector_device.configurations import NEVER as OF_THE_DEVICE_NEVER
 from safeloc.models.reflector_direction.configuration import ReflectorDirectionConfig
-
-NEVER = {
-    split: why for split, why in OF_THE_DEVICE_NEVER.items() if not split.startswith("properties/reflector_device.py")
-}
-"""Case splits that no configuration makes live, and why."""
 
 
 def _of_the_device(config: object) -> ReflectorDirectionConfig:
@@ -19,4 +13,4 @@ def _of_the_device(config: object) -> ReflectorDirectionConfig:
     return ReflectorDirectionConfig(motion=config.motion, balise=config.balise, reflector=config.reflector)
 
 
-CONFIGURATIONS = Configurations({name: _of_the_device(one) for name, one in OF_THE_DEVICE.named.items()}, NEVER)
+CONFIGURATIONS = Configurations({name: _of_the_device(one) for name, one in OF_THE_DEVICE.named.items()})
