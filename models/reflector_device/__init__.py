@@ -20,16 +20,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, between, ite, maximum, minimum
+from safeloc.language.expr import Expr, Var, as_num, ite, maximum, minimum
 from safeloc.language.machine import Machine
-from safeloc.language.system import canonical
 from safeloc.language.units import MM
-from safeloc.models import balise, delocalized, motion, reflector, stop_point, turn_off
-from safeloc.models.localizer.sources import PIECES, Piece
+from safeloc.models import balise, delocalized, reflector, stop_point, turn_off
 from safeloc.models.motion import Motion
-from safeloc.models.reflector.world import PRESCRIBED, READING
+from safeloc.models.reflector_device.anchored import Anchored, anchored, present
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
-from safeloc.models.reflector_device.line import Line, line
+from safeloc.models.reflector_device.line import Line
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import parts as stop_parts
 from safeloc.models.stop_point.world import REPORTED
@@ -60,100 +58,40 @@ class ReflectorDevice:
 def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDevice:
     """Compose the device of a vehicle; all machines share one truth."""
     config = config or ReflectorDeviceConfig()
-    moves = motion.build(motion.parts(config.motion))
-    reading, measuring = (PIECES[name](config.vehicle, moves, {}) for name in ("balise", "reflector"))
-    (groups,), (source,) = reading.models, measuring.models
-    assert isinstance(groups, balise.Balise) and isinstance(source, reflector.ReflectorMachine)
-    map_ = line(config)
+    located = anchored(config)
+    moves, map_, source = located.motion, located.line, located.source
     course = turn_off.build(turn_off.parts(config.turn_off))
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
     stop = stop_point.build(stop_parts(config.stop))
     wires: dict[Var, Expr] = {
-        **reading.wires,
-        **map_.telegram_wires(groups.own),
-        **measuring.wires,
-        **_anchor(groups, source),
-        **_distances(groups, map_, source),
+        **located.wires,
         **_into_course(map_, source, course),
-        **_into_host(groups, measuring, course, behind),
-        behind.next_truth: moves.own.ghosts.truth,
+        **_into_host(located, course, behind),
         **_into_stop(restrictive, source, stop),
         stop.own.next_truth: moves.own.ghosts.truth,
     }
     whole = compose(
         NAME,
-        [moves.machine, groups.machine, map_.machine, source.machine, course.machine, restrictive, stop.machine],
+        [*located.before_the_reflectors, source.machine, course.machine, restrictive, stop.machine],
         wires,
         shared=moves.shared,
         discharge=[
-            *reading.discharged, *measuring.discharged, Clause(source.machine, READING), Clause(source.machine, PRESCRIBED),
+            *located.discharged,
             Clause(course.machine, GIVEN), restrictive,
             Clause(stop.machine, REPORTED),
         ],
     )  # fmt: skip
-    return ReflectorDevice(config, whole, moves, groups, map_, source, course, restrictive, stop)
+    return ReflectorDevice(config, whole, moves, located.groups, map_, source, course, restrictive, stop)
 
 
-def _counts(groups: balise.Balise) -> Bool:
-    """Return whether the balise machine accepted the group that was read."""
-    return groups.machine.flag("reference_accepted")
-
-
-def _anchor(groups: balise.Balise, source: reflector.ReflectorMachine) -> dict[Var, Expr]:
-    """Return the wires of a reading: an accepted group, with the balise machine's own interval at the end of the cycle."""
-    counts, given = _counts(groups), source.own.balise
-    position, below, above = wired_interval(groups.machine)
+def _into_host(located: Anchored, course: TurnOff, behind: delocalized.Parts) -> dict[Var, Expr]:
+    """Return the wires of the restrictive state: as of reflectors alone, and a course that is not permitted begins it."""
+    stated, astray = located.measuring.stated, course.machine.flag("contradicts")
     return {
-        **_present(given.identity, counts, groups.own.memory.group),
-        **_present(given.position, counts, position),
-        **_present(given.accuracy, counts, maximum(below, above)),
-        given.since.present: counts,
-        given.since.value: as_num(0, MM),
-    }
-
-
-def _distances(groups: balise.Balise, map_: Line, source: reflector.ReflectorMachine) -> dict[Var, Expr]:
-    """Return the wires of the reflector's distance: counted from the position that is handed over, no longer from the group."""
-    counts, machine, given, ahead = _counts(groups), groups.machine, source.own.balise, source.own.ahead
-    position, _, _ = wired_interval(machine)
-    by_telegram = machine.output("reflector_mm") - position
-    search = machine.output("search_mm") - position
-    by_map = groups.own.memory.last_group_position + map_.reference.value - position
-    return {
-        **_within(given.reference, counts & machine.flag("reflector_known"), by_telegram),
-        **_within(given.search_from, counts & machine.flag("search_known") & (search > 0), search),
-        **_within(ahead.reference, counts & map_.reference.present, by_map),
-        ahead.position.value: map_.position.value,
-        ahead.position.present: map_.position.present,
-        source.own.contradicted: map_.contradicted | _disproved(groups),
-    }
-
-
-def _disproved(groups: balise.Balise) -> Bool:
-    """Return whether the balise machine withholds its position because groups contradict it: what was anchored by it is withdrawn too."""
-    return groups.machine.output("reason").eq(CONTRADICTION)
-
-
-def _present(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:
-    return {to.present: condition, to.value: ite(condition, value, canonical(to.value))}
-
-
-def _within(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:
-    """Return the wires of a value that is there only if it is in the range of the input: no distance is clipped."""
-    return _present(to, condition & between(to.value.low, value, to.value.high), value)
-
-
-def _into_host(groups: balise.Balise, piece: Piece, course: TurnOff, behind: delocalized.Parts) -> dict[Var, Expr]:
-    """Return the wires of the restrictive state: an accepted group and a recognised reflector end it, a course that is not permitted begins it."""
-    stated, astray = piece.stated, course.machine.flag("contradicts")
-    return {
+        **located.into_host(behind),
         behind.valid: stated.valid & ~astray,
-        behind.reference_accepted: stated.reference | _counts(groups) & stated.valid,
         behind.source_reason: ite(astray, CONTRADICTION, stated.reason),
-        behind.position: stated.position,
-        behind.below: stated.below,
-        behind.above: stated.above,
     }
 
 
@@ -169,7 +107,7 @@ def _into_course(map_: Line, source: reflector.ReflectorMachine, course: TurnOff
         own.lateral: machine.output("lateral_mm"),
         own.low: ite(valid, maximum(position - below, -limit), as_num(-limit, MM)),
         own.high: high,
-        **_present(
+        **present(
             own.switch_position,
             map_.switch_position.present & (map_.switch_position.value > high),
             map_.switch_position.value,

@@ -17,14 +17,12 @@ LARGEST_ACCURACY_MM = 100_000
 """The reflector machine takes no reading that is less accurate."""
 
 
-class ReflectorDeviceConfig(Config):
+class AnchoredConfig(Config):
     """One vehicle with odometer, balise reader and radar; what they share is said once, in `motion`, and must be the same in each."""
 
     motion: MotionConfig = MotionConfig()
     balise: BaliseConfig = BaliseConfig()
     reflector: ReflectorConfig = ReflectorConfig(last_balise_identity=16_777_216, reference_tolerance_mm=25_000)
-    turn_off: TurnOffConfig = TurnOffConfig()
-    stop: StopPointConfig = StopPointConfig()
 
     @property
     def vehicle(self) -> LocalizerConfig:
@@ -38,21 +36,13 @@ class ReflectorDeviceConfig(Config):
         )
 
     @model_validator(mode="after")
-    def _one_vehicle(self) -> ReflectorDeviceConfig:
-        moves = self.vehicle.motion
-        line = {"position_limit_mm": moves.position_limit_mm}
-        wanted = line | {"max_speed_mm_s": moves.max_speed_mm_s, "tolerance_mm": self.reflector.tolerance_mm}
-        for name, config, figures in (("turn_off", self.turn_off, line), ("stop", self.stop, wanted)):
-            for figure, value in figures.items():
-                if getattr(config, figure) != value:
-                    raise ValueError(
-                        f"{name}.{figure} is {getattr(config, figure)}, but the vehicle's is {value} (motion, reflector); make "
-                        "them the same."
-                    )
+    def _drawn_from_one_vehicle(self) -> AnchoredConfig:
+        """Refuse figures of machines that are not those of one vehicle."""
+        _ = self.vehicle
         return self
 
     @model_validator(mode="after")
-    def _fits(self) -> ReflectorDeviceConfig:
+    def _fits(self) -> AnchoredConfig:
         """Refuse figures with which a group that the balise machine accepts is no reading of the reflector machine."""
         if self.reflector.last_balise_identity < self.balise.last_group_identity:
             raise ValueError(
@@ -76,3 +66,24 @@ class ReflectorDeviceConfig(Config):
         """The limits of what the host gets: those of the reflector machine."""
         own = self.reflector
         return DelocalizedConfig(tolerance_mm=own.tolerance_mm, position_limit_mm=own.position_limit_mm)
+
+
+class ReflectorDeviceConfig(AnchoredConfig):
+    """The vehicle with its course at switches and the stop at a platform."""
+
+    turn_off: TurnOffConfig = TurnOffConfig()
+    stop: StopPointConfig = StopPointConfig()
+
+    @model_validator(mode="after")
+    def _one_vehicle(self) -> ReflectorDeviceConfig:
+        moves = self.vehicle.motion
+        line = {"position_limit_mm": moves.position_limit_mm}
+        wanted = line | {"max_speed_mm_s": moves.max_speed_mm_s, "tolerance_mm": self.reflector.tolerance_mm}
+        for name, config, figures in (("turn_off", self.turn_off, line), ("stop", self.stop, wanted)):
+            for figure, value in figures.items():
+                if getattr(config, figure) != value:
+                    raise ValueError(
+                        f"{name}.{figure} is {getattr(config, figure)}, but the vehicle's is {value} (motion, reflector); make "
+                        "them the same."
+                    )
+        return self

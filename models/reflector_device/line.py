@@ -30,7 +30,7 @@ from safeloc.language.world import Law, World
 from safeloc.models.balise.reading_world import read_rightly
 from safeloc.models.balise.telegram import Reading, Telegram, telegram
 from safeloc.models.balise.variables import Parts as BaliseParts
-from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.reflector_device.configuration import AnchoredConfig
 
 NAME = "line"
 _SURVEY = "telegram and map have the reflector at one place"
@@ -65,7 +65,7 @@ class Line:
         return wires | dict(zip(self.kept, (sister.memory.group, sister.memory.last_group_position), strict=True))
 
 
-def line(config: ReflectorDeviceConfig) -> Line:
+def line(config: AnchoredConfig) -> Line:
     """Build the machine with fresh inputs."""
     declared, table = Declared(), modes("KNOWN")
     limit, reach, of_groups = config.reflector.position_limit_mm, config.reflector.range_limit_mm, config.balise
@@ -98,7 +98,7 @@ def line(config: ReflectorDeviceConfig) -> Line:
 
 
 def _survey(
-    config: ReflectorDeviceConfig, position: Optional, reference: Optional, read: Telegram, kept: tuple[NumVar, NumVar]
+    config: AnchoredConfig, position: Optional, reference: Optional, read: Telegram, kept: tuple[NumVar, NumVar]
 ) -> Law:
     group, place = kept
     most = config.reflector.map_accuracy_mm

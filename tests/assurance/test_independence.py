@@ -150,6 +150,7 @@ def test_what_an_output_may_be_is_put_out() -> None:
         "guard",
         "marker_device",
         "reflector_device",
+        "reflector_direction",
         "localizer",
     ],
 )

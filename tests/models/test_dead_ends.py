@@ -27,6 +27,7 @@ SLOW = {
     "supervised_odometry",
     "marker_device",
     "reflector_device",
+    "reflector_direction",
     "reflector",
     "balise",
 }
