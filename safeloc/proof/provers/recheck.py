@@ -36,10 +36,6 @@ YICES_SECONDS, YICES_INDUCTION_SECONDS = 10.0, 4.0
 shipped induction queries that it decides take it at most 2.5 s; two of the reflector that take it 2 s take cvc5 28 s. Those that
 it does not decide in 10 s, of guard and stop point, take cvc5 less than 1 s.
 """
-FIRST_ALONE_SECONDS = 1.0
-"""Most processor time of yices, and then of cvc5, for a query of one goal, before yices gets the rest of its time: six queries of the
-guard that yices does not decide took it 4 s each, and cvc5 a fraction of a second.
-"""
 OPTIONS = {"incremental": "true", "ext-rew-prep": "use", "ite-simp": "true"}  # measured: four times faster on our terms
 INDUCTION_OF_ONE_GOAL = {**OPTIONS, "simplification": "none"}
 """Options for an induction query of one goal. Measured against OPTIONS: the fibre areas take 2 to 7 s instead of 15 to 35 s, one
@@ -139,11 +135,6 @@ def _asked(
 ) -> tuple[tuple[Key, ...], tuple[str, ...]]:
     """Return the goals that neither yices nor cvc5 confirms in time, and the programs that confirm the others."""
     alone_s = YICES_INDUCTION_SECONDS if options is INDUCTION_OF_ONE_GOAL else YICES_SECONDS
-    if len(query.goals) == 1 and seconds > FIRST_ALONE_SECONDS and yices.program() is not None:
-        if not _left_by_yices(query, file, text, seconds, FIRST_ALONE_SECONDS):
-            return (), (f"yices {yices.version()}",)
-        if recheck(file, text, 1, seconds=FIRST_ALONE_SECONDS, options=options) == ["unsat"]:
-            return (), (_CVC5,)
     left = _left_by_yices(query, file, text, seconds, alone_s)
     by_yices = (f"yices {yices.version()}",) if len(left) < len(query.goals) else ()
     if not left:

@@ -202,29 +202,6 @@ def test_file_names_are_plain() -> None:
     assert file_name("a/b", "one") != file_name("a/b", "two")
 
 
-@needs_yices
-@pytest.mark.parametrize("suits", ["yices", "cvc5", "yices later"])
-def test_a_goal_alone_is_first_asked_for_a_second(suits: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A goal that yices does not decide in a second, and cvc5 does, takes no more of yices' time; another one gets all of it."""
-    asked: list[tuple[str, float]] = []
-
-    def by_yices(_text: str, _seconds: float, alone_s: float) -> list[str]:
-        asked.append(("yices", alone_s))
-        decides = suits == "yices" or (suits == "yices later" and alone_s > module.FIRST_ALONE_SECONDS)
-        return ["unsat" if decides else "unknown"]
-
-    def by_cvc5(*_: object, seconds: float, **__: object) -> list[str]:
-        asked.append(("cvc5", round(seconds)))
-        return ["unsat" if suits == "cvc5" else "unknown"]
-
-    monkeypatch.setattr(yices, "answers", by_yices)
-    monkeypatch.setattr(module, "recheck", by_cvc5)
-    query = Query("one", [X > 3], {"above 2": X > 2})
-    assert certify(query, seconds=30.0, one_goal=module.INDUCTION_OF_ONE_GOAL).undecided == ()
-    first, then, last = ("yices", 1.0), ("cvc5", 1.0), ("yices", module.YICES_INDUCTION_SECONDS)
-    assert asked == {"yices": [first], "cvc5": [first, then], "yices later": [first, then, last]}[suits]
-
-
 @pytest.mark.usefixtures("without_yices")
 def test_a_goal_left_over_is_tried_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """A goal that cvc5 leaves undecided among others is asked for again, alone and with other options."""
