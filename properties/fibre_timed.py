@@ -1,6 +1,6 @@
 """Properties of the fibre that is timed: F by the time of flight shows a broken law, and each place that can be compared is (FWG-4, -6, -7).
 
-What time of flight and sections each claim of themselves is kept here of the whole, with its name in front.
+The claims of the time-of-flight machine and of the sections machine hold of the whole too; each stands here with the name of its machine in front.
 """
 
 from __future__ import annotations
