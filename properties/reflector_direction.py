@@ -106,11 +106,11 @@ def _wrong_direction(whole: ReflectorDirection) -> Iterator[Property]:
     line, groups = whole.composition.of(whole.line.machine), whole.composition.of(whole.groups.machine)
     route = line.bool(whole.line.contradicted)
     disproved = groups.num(whole.groups.machine.output("reason")).eq(CONTRADICTION)
-    heard = whole.composition.of(whole.source.machine).bool(whole.source.own.contradicted)
+    contradicted = whole.composition.of(whole.source.machine).bool(whole.source.own.contradicted)
     yield for_all_inputs(
         "direction, route and groups contradict, and nothing else",
-        heard.iff(wrong | route | disproved),
-        statement="the reflector machine hears of a contradiction exactly in the cycles in which the direction is not the permitted one, the "
+        contradicted.iff(wrong | route | disproved),
+        statement="a contradiction is wired to the reflector machine exactly in the cycles in which the direction is not the permitted one, the "
         "route is contradicted, or groups contradict the position",
     )
 

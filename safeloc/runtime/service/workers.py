@@ -55,7 +55,7 @@ class Link:
 
     def tell(self, text: str) -> None:
         """Give a sign of life."""
-        with suppress(OSError):  # the parent has heard enough, or is gone; the loop sees the latter
+        with suppress(OSError):  # the parent has ended the tie, or is gone; the loop sees the latter
             self.sock.send(text.encode()[:1])
 
 
@@ -67,7 +67,7 @@ class _Slot:
     pid: int = 0
     sock: socket.socket | None = None
     began: float = 0.0
-    heard: float = 0.0
+    last_sign_at: float = 0.0
     ready: bool = False
     short_lives: int = 0
     due: float = 0.0
@@ -147,7 +147,7 @@ class Workers:
         theirs.close()
         mine.setblocking(False)
         slot.pid, slot.sock, slot.began, slot.ready = pid, mine, time.monotonic(), False
-        slot.heard = slot.began
+        slot.last_sign_at = slot.began
         self._selector.register(mine, selectors.EVENT_READ, slot)
         self._journal.info("worker started", worker=slot.number, pid=pid)
         return None
@@ -159,11 +159,11 @@ class Workers:
         pid, status = os.waitpid(slot.pid, os.WNOHANG)
         if pid:
             self._ended(slot, os.waitstatus_to_exitcode(status), now)
-        elif now > min(self._kill_at, slot.heard + _SILENT_S):
+        elif now > min(self._kill_at, slot.last_sign_at + _SILENT_S):
             self._journal.error(
                 "worker killed", worker=slot.number, pid=slot.pid, why="it gives no sign, or does not end"
             )
-            slot.heard = now
+            slot.last_sign_at = now
             os.kill(slot.pid, signal.SIGKILL)
 
     def _ended(self, slot: _Slot, code: int, now: float) -> None:
@@ -205,7 +205,7 @@ class Workers:
         except OSError:
             signs = b""
         if signs:
-            slot.heard, slot.ready = time.monotonic(), True
+            slot.last_sign_at, slot.ready = time.monotonic(), True
         else:
             self._cut(slot)  # it ends
 
