@@ -6,7 +6,6 @@ counts by the broker's clock, and the last word about who owns a partition is th
 
 from __future__ import annotations
 
-import select
 import selectors
 import time
 from collections import deque
@@ -14,6 +13,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from safeloc.errors import InputError
+from safeloc.runtime.service.broker.buffered import BufferedSocket
 from safeloc.runtime.service.broker.settings import Broker
 from safeloc.runtime.service.feeds import Event
 
@@ -30,13 +30,6 @@ _CONNECT_S = 2.0
 
 _MISC_S = 1.0
 """Seconds between two looks at what is due without data: a ping, or a broker that does not answer."""
-
-_READS = 256
-"""Most packets that are read in one turn, so that one connection does not keep the others waiting."""
-
-
-_LAST_S = 1.0
-"""Most seconds for what is left to be sent at a regular end."""
 
 
 class Came(NamedTuple):
@@ -71,8 +64,7 @@ class Connection:
         self._broker, self._lasting = broker, lasting
         self._client = self._made(session, will)
         self._selector: selectors.BaseSelector | None = None
-        self._sock: Any = None
-        self._poll = select.poll()
+        self._sock: BufferedSocket | None = None
         self._mask = 0
         self._looked = 0.0
 
@@ -84,8 +76,6 @@ class Connection:
         except (OSError, ValueError) as error:  # ssl.SSLError among them, as a certificate that does not fit
             self.lost = f"no connection: {error}"
             return
-        self._sock = self._client.socket()
-        self._poll.register(self._sock, select.POLLIN)
         self._attend()
 
     def subscribe(self, topic: str) -> None:
@@ -103,13 +93,22 @@ class Connection:
     @property
     def waiting(self) -> bool:
         """Return whether something is to be sent."""
-        return not self.lost and self._client.want_write()
+        return not self.lost and self._sock is not None and (self._client.want_write() or bool(self._sock.unsent))
 
     def flush(self) -> None:
         """Send as much as the broker takes now; the selector reports when it takes the rest."""
-        if not self.lost and self._client.want_write():
-            self._client.loop_write()
-            self._attend()
+        if not self.waiting or self._sock is None:
+            return
+        self._client.loop_write()
+        if not self.lost:
+            self._send(self._sock)
+        self._attend()
+
+    def _send(self, sock: BufferedSocket) -> None:
+        try:
+            sock.flush()
+        except OSError as error:
+            self.lost = f"the connection ended: {error}"
 
     def look(self) -> None:
         """Do what is due without data from the broker."""
@@ -121,26 +120,21 @@ class Connection:
 
     def close(self, *, politely: bool) -> None:
         """End the connection; politely: without the last will."""
-        if politely and self.ready and not self.lost:
-            self._client.disconnect()
-            self._send_rest()
-        self.lost = self.lost or "closed"
         sock = self._sock
+        if sock is not None and politely and self.ready and not self.lost:
+            sock.polite = True
+            self._client.disconnect()
+            self._client.loop_write()
+        self.lost = self.lost or "closed"
         self._forget_socket()
         if sock is not None:
             sock.close()
-
-    def _send_rest(self) -> None:
-        until = time.monotonic() + _LAST_S
-        while self._client.want_write() and self._sock is not None and time.monotonic() < until:
-            self._client.loop_write()
-            time.sleep(0.001)
 
     # ------------------------------------------------------------------ paho
 
     def _made(self, session: str, will: tuple[str, bytes]) -> Client:
         mqtt = load_paho()
-        client: Client = mqtt.Client(
+        client: Client = self._buffered(mqtt.Client)(
             mqtt.CallbackAPIVersion.VERSION2, session, clean_session=not self._lasting, protocol=mqtt.MQTTv311,
             reconnect_on_failure=False, manual_ack=self._lasting,
         )  # fmt: skip
@@ -155,6 +149,19 @@ class Connection:
         if self._broker.tls is not None:
             client.tls_set_context(self._broker.tls)
         return client
+
+    def _buffered(self, client: Any) -> Any:
+        """Return the class of clients whose socket is a BufferedSocket."""
+        connection = self
+
+        class Buffered(client):  # type: ignore[misc]
+            """A client of paho-mqtt that reads and sends through buffers."""
+
+            def _create_socket(self) -> BufferedSocket:
+                connection._sock = BufferedSocket(super()._create_socket())
+                return connection._sock
+
+        return Buffered
 
     def _connected(
         self, _client: Client, _data: Any, flags: ConnectFlags, code: ReasonCode, _properties: Properties | None
@@ -183,22 +190,26 @@ class Connection:
         """Read and write; what comes waits in `came`."""
         if mask & selectors.EVENT_READ:
             self._read()
-        if mask & selectors.EVENT_WRITE and not self.lost:
-            self._client.loop_write()
+        if mask & selectors.EVENT_WRITE:
+            self.flush()
         self._attend()
         yield from ()
 
     def _read(self) -> None:
-        for _ in range(_READS):
+        """Read one piece, or what TLS has decrypted besides, and take all packets in it."""
+        sock = self._sock
+        while sock is not None and sock.fill():
             self._client.loop_read()
-            if self.lost or not (_decrypted(self._sock) or self._poll.poll(0)):
+            while sock.filled and not self.lost:
+                self._client.loop_read()
+            if self.lost or not sock.decrypted:
                 return
 
     def _attend(self) -> None:
         """Update the selector: the socket is read always, and written to while something waits."""
         if self._selector is None or self._sock is None:
             return
-        mask = selectors.EVENT_READ | (selectors.EVENT_WRITE if self._client.want_write() else 0)
+        mask = selectors.EVENT_READ | (selectors.EVENT_WRITE if self.waiting else 0)
         if self._mask == 0:
             self._selector.register(self._sock, mask, self._ready)
         elif mask != self._mask:
@@ -207,14 +218,9 @@ class Connection:
 
     def _forget_socket(self, *_: Any) -> None:
         """Forget the socket, before it is closed."""
-        if self._selector is not None and self._mask:
+        if self._selector is not None and self._sock is not None and self._mask:
             self._selector.unregister(self._sock)
         self._mask, self._sock = 0, None
-
-
-def _decrypted(sock: Any) -> int:
-    """Return the bytes that TLS has read already, so that no selector reports them."""
-    return int(sock.pending()) if hasattr(sock, "pending") else 0
 
 
 def load_paho() -> Any:
