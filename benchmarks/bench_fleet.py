@@ -24,7 +24,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -34,6 +34,9 @@ from safeloc.runtime.service.broker.topics import Topics, partition_of
 
 TARGET_P99_MS = 100.0
 SECONDS, VEHICLES, MACHINE, KILL_S = "130", "1000", "odometry", "60"
+TICKS = 100
+"""Moments of a period at which vehicles send: each ms some of them, in one call of the system."""
+
 PERIOD_MS, PARTITIONS, WORKERS, PREFIX = 100, 16, 2, "fleet"
 BROKER = """
 user root
@@ -62,10 +65,13 @@ class Wire:
         topic = f"{PREFIX}/reports/#".encode()
         self._sock.sendall(_packet(0x82, b"\0\1" + struct.pack(">H", len(topic)) + topic + b"\0"))
 
-    def publish(self, topic: bytes, payload: bytes) -> None:
-        """A record, at least once."""
+    def publish(self, messages: Iterable[tuple[bytes, bytes]]) -> None:
+        """Records of topic and payload, each at least once, at the same moment."""
+        self._sock.sendall(b"".join(self._record(topic, payload) for topic, payload in messages))
+
+    def _record(self, topic: bytes, payload: bytes) -> bytes:
         self._mid = self._mid % 65_535 + 1
-        self._sock.sendall(_packet(0x32, topic + struct.pack(">H", self._mid) + payload))
+        return _packet(0x32, topic + struct.pack(">H", self._mid) + payload)
 
     def reports(self, seconds: float) -> Iterator[tuple[bytes, int]]:
         """Vehicle and cycle of each report that comes in this time."""
@@ -205,19 +211,20 @@ def drive(
             if one in sent and one not in found:
                 found[one] = time.perf_counter() - sent[one]
 
-    begin, gap_s, kills = time.perf_counter() + 0.1, PERIOD_MS / 1_000 / len(wired), 0
+    ticks = [wired[len(wired) * tick // TICKS : len(wired) * (tick + 1) // TICKS] for tick in range(TICKS)]
+    begin, kills = time.perf_counter() + 0.1, 0
     for cycle in range(cycles):
         if kill_s and cycle * PERIOD_MS / 1_000 >= kill_s * (kills + 1):
             processes.kill(kills % 2)
             kills += 1
-        for place, (name, topic, texts) in enumerate(wired):
-            due = begin + cycle * PERIOD_MS / 1_000 + place * gap_s
-            if place % 16 == 0:
-                hear(0.0)
+        for tick, some in enumerate(ticks):
+            due = begin + (cycle + tick / TICKS) * PERIOD_MS / 1_000
+            hear(0.0)
             while (left := due - time.perf_counter()) > 0.0005:  # a report that comes ends the wait early
                 hear(left)
-            sent[name, cycle + 1] = time.perf_counter()
-            wire.publish(topic, texts[cycle])
+            now = time.perf_counter()
+            sent.update(((name, cycle + 1), now) for name, _, _ in some)
+            wire.publish((topic, texts[cycle]) for _, topic, texts in some)
     until = time.perf_counter() + 30.0
     while len(found) < len(sent) and time.perf_counter() < until:
         hear(0.1)
@@ -248,12 +255,15 @@ def main() -> None:
     latencies = sorted(latency * 1_000 for latency in found.values())
     shown = "".join(f"{latencies[min(len(latencies) - 1, int(share * len(latencies)))]:9.1f}" for share in _SHARES)
     spent = "".join(f"{(b - a) / sent * 1_000_000:10.0f}" for a, b in zip(before, after, strict=True))
+    late = sum(latency >= TARGET_P99_MS for latency in latencies)
     kept = "met" if latencies[int(0.99 * len(latencies))] < TARGET_P99_MS else "MISSED"
     print(
         f"{vehicles} vehicles ({traffic.machine}) at 10 Hz for {seconds:g} s, one of two workers killed each {kill_s:g} s"
     )
-    print("messages  unreported      p50      p90      p99    p99.9    worst ms    processes    broker    sender us")
-    print(f"{sent:8}{sent - len(found):12}{shown}{spent}   p99 < {TARGET_P99_MS:g} ms {kept}")
+    print(
+        "messages  unreported      p50      p90      p99    p99.9    worst ms    processes    broker    sender us     late"
+    )
+    print(f"{sent:8}{sent - len(found):12}{shown}{spent}{late:9}   p99 < {TARGET_P99_MS:g} ms {kept}")
 
 
 _SHARES = (0.5, 0.9, 0.99, 0.999, 1.0)

@@ -164,13 +164,14 @@ def run(
             return Fleet(program, settings, programs)
         return AreaFleet(program, settings, wiring, broker.codes, Topics(broker.prefix, broker.partitions))
 
-    supervised, parent = Supervised(alive), None
+    supervised, parent, worker = Supervised(alive), None, None
     if broker is not None:
         _require_usable(sink, snapshot, fresh=fresh, to_its_end=to_its_end)
     metrics_at = None if metrics_port is None else address(metrics_port)
     if processes is not None:
         link = _forked(processes, broker, snapshot, new_fleet, Workers(processes, journal, supervised), metrics_at)
-        journal, parent, supervised = Journal(STDERR, worker=link.number), link.sock, Supervised(None, {}, link.tell)
+        journal, supervised = Journal(STDERR, worker=link.number), Supervised(None, {}, link.tell)
+        parent, worker = link.sock, link.name
         metrics_at = None if metrics_at is None else _port_of(metrics_at, link.number)
     metrics = None if metrics_at is None else Metrics(metrics_at)
     tracer = _tracer(journal, metrics, log_cycles=log_cycles)
@@ -183,7 +184,7 @@ def run(
         assert snapshot is not None
         work: Work = Division(
             broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal,
-            None if wiring is None else VehicleReports(wiring, broker.partitions),
+            None if wiring is None else VehicleReports(wiring, broker.partitions), worker,
         )  # fmt: skip
         Loop(work, selector, journal, supervised, metrics, parent).run()
     else:

@@ -44,6 +44,7 @@ class Loop:
         self._supervised = supervised or Supervised(None, {})
         self._stop = ""
         self._failed = False
+        self._turned_at = 0.0
 
     def run(self) -> None:
         """Run to the end. An error is raised after waiting reports were delivered and a snapshot was saved, if possible."""
@@ -71,7 +72,12 @@ class Loop:
             self._end()
 
     def _once(self) -> None:
-        for key, mask in self._selector.select(self._patience_s()):
+        ready = self._selector.select(self._patience_s())
+        if ready and (rest_s := self._turned_at + self._work.gather_s - time.monotonic()) > 0.0:
+            time.sleep(rest_s)
+            ready = self._selector.select(0.0)
+        self._turned_at = time.monotonic()
+        for key, mask in ready:
             self._work.take(key.data(mask))
         self._work.turn()
         if self._metrics is not None and self._metrics.due():

@@ -42,10 +42,12 @@ class Work(ABC):
 
     stop_by   time of the monotonic clock after which lines are no longer handled; they count as lost
     over      there is no more to read
+    gather_s  least time from the beginning of a turn to that of the next, so that what comes meanwhile is handled at once
     """
 
     stop_by = float("inf")
     over = False
+    gather_s = 0.0
 
     @property
     @abstractmethod

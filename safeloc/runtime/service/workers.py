@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gc
 import os
+import secrets
 import selectors
 import signal
 import socket
@@ -48,9 +49,10 @@ _LOOK_S = 1.0
 
 @dataclass(frozen=True)
 class Link:
-    """A worker's tie to its parent. `number` counts the workers from 0; who follows a worker that ended has its number."""
+    """A worker's tie to its parent. `number` counts the workers from 0; who follows a worker that ended has its number and name."""
 
     number: int
+    name: str
     sock: socket.socket
 
     def tell(self, text: str) -> None:
@@ -82,6 +84,7 @@ class Workers:
             raise InputError(
                 "--processes needs a system that can fork (Linux, macOS); start the command several times."
             )
+        self._name = secrets.token_hex(8)
         self._slots = [_Slot(number) for number in range(count)]
         self._journal, self._supervised = journal, supervised
         self._selector = selectors.SelectSelector()
@@ -142,7 +145,7 @@ class Workers:
                     sock.close()
             self._selector.close()
             theirs.setblocking(False)
-            return Link(slot.number, theirs)
+            return Link(slot.number, f"{self._name}-{slot.number}", theirs)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPPING)
         theirs.close()
         mine.setblocking(False)

@@ -14,9 +14,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from safeloc.runtime.service.broker.connection import Connection
+from safeloc.runtime.service.broker.connection import Came, Connection
 from safeloc.runtime.service.broker.epochs import require_layout
-from safeloc.runtime.service.broker.leases import RENEW_SHARE, Leases, read_owner
+from safeloc.runtime.service.broker.leases import BACK_S, RENEW_SHARE, Lease, Leases, lease_text, read_lease
 from safeloc.runtime.service.broker.port import Beside
 from safeloc.runtime.service.broker.settings import Broker
 from safeloc.runtime.service.broker.tenure import Left, MakeStation, Tenure
@@ -26,7 +26,8 @@ from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.station import Work
 
 _SETTLE_S = 0.3
-"""Seconds after subscribing until the retained leases and processes count as heard."""
+"""Seconds after subscribing until the retained leases and processes count as heard; a worker for which partitions wait takes
+them before."""
 
 _DECIDE_S = 0.05
 """Seconds between two decisions about who owns what."""
@@ -39,22 +40,28 @@ _AFTER_LOSS = 0.5
 
 
 class Division(Work):
-    """The partitions of this process."""
+    """The partitions of this process.
+
+    worker   its name, if a parent starts it again at once under this name when it ends; None: it has a name of its own, and
+             nobody waits for it
+    """
 
     def __init__(
         self, broker: Broker, folder: Path, machine: str, make: MakeStation, journal: Journal,
-        beside: Beside | None = None,
+        beside: Beside | None = None, worker: str | None = None,
     ) -> None:  # fmt: skip
         require_layout(folder, broker.partitions)
         self.tenures: dict[int, Tenure] = {}
-        self.name = secrets.token_hex(8)
+        self.name = secrets.token_hex(8) if worker is None else worker
+        self._back_s = None if worker is None else BACK_S
+        self.gather_s = broker.gather_s
         self._broker, self._folder, self._machine, self._make, self._journal = broker, folder, machine, make, journal
         self._beside = beside
         self._topics = Topics(broker.prefix, broker.partitions)
         self._leases = Leases(self.name, broker.partitions, broker.lease_s)
         self._control = self._new_control()
         self._subscribed_at: float | None = None
-        self._connect_at = self._decide_at = self._renew_at = 0.0
+        self._connect_at = self._decide_at = self._renew_at = self._settled_at = 0.0
         self._turned_at = time.monotonic()
         self._not_before: dict[int, float] = {}
         self._left: dict[int, Left] = {}
@@ -101,6 +108,7 @@ class Division(Work):
 
     def end(self, *, failed: bool) -> None:
         """Release all partitions; after a failure nothing is saved, and the broker publishes the last wills."""
+        waiting = self._waiting_for_me()
         for tenure in self.tenures.values():
             if failed:
                 tenure.drop("the process failed")
@@ -109,8 +117,15 @@ class Division(Work):
             self._past.update(tenure.sums())
         self.tenures.clear()
         if not failed and self._control.ready:
+            for partition in waiting:
+                self._control.publish(self._topics.lease(partition), lease_text(""), qos=1, retained=True)
             self._control.publish(self._topics.process(self.name), b"", qos=1, retained=True)
         self._control.close(politely=not failed)
+
+    def _waiting_for_me(self) -> list[int]:
+        """Return the partitions that wait for this worker, and that it does not own yet."""
+        running = {number for number, tenure in self.tenures.items() if tenure.station is not None}
+        return [one for one in self._leases.waiting_for_me(time.monotonic()) if one not in running]
 
     def sums(self) -> Mapping[str, int]:
         """Return the counts since the start, over all partitions that this process has owned."""
@@ -129,8 +144,13 @@ class Division(Work):
 
     # ------------------------------------------------------------------ who is there
 
+    @property
+    def _last_will(self) -> bytes:
+        """Return what the broker tells of a partition or of the process itself if its connection breaks."""
+        return lease_text("") if self._back_s is None else lease_text(self.name, back_s=self._back_s)
+
     def _new_control(self) -> Connection:
-        will = (self._topics.process(self.name), b"")
+        will = (self._topics.process(self.name), self._last_will)
         return Connection(self._broker, f"{self._broker.prefix}/{self.name}", will, lasting=False)
 
     def _hear(self, now: float) -> None:
@@ -142,29 +162,31 @@ class Division(Work):
         if control.ready and self._subscribed_at is None:
             control.subscribe(self._topics.lease("+"))
             control.subscribe(self._topics.process("+"))
-            self._subscribed_at, self._renew_at = now, now
+            self._subscribed_at, self._renew_at, self._settled_at = now, now, now + _SETTLE_S
             self._leases.pass_over(now)
         while control.came:
             came = control.came.popleft()
-            self._hear_one(came.topic, came.payload, now)
+            self._hear_one(came, now)
         if control.ready and now >= self._renew_at:
             self._renew_at = now + RENEW_SHARE * self._broker.lease_s
-            control.publish(self._topics.process(self.name), b"{}", retained=True)
+            control.publish(self._topics.process(self.name), lease_text(self.name), retained=True)
 
-    def _hear_one(self, topic: str, payload: bytes, now: float) -> None:
-        last = self._topics.last_level(topic)
-        gone = False
+    def _hear_one(self, came: Came, now: float) -> None:
+        topic, last = came.topic, self._topics.last_level(came.topic)
+        lease = read_lease(came.payload)
         if topic == self._topics.process(last):
-            gone = not payload
-            self._leases.heard_process(last[:64], now, there=bool(payload))
-        elif topic == self._topics.lease(last) and last.isdecimal() and int(last) < self._broker.partitions:
-            owner = read_owner(payload)
-            if owner is None:
-                self._journal.warning("message refused", topic=topic[:200], why="no lease")
-            else:
-                gone = not owner
-                self._leases.heard_lease(int(last), owner, now)
-        if gone:
+            lease = lease or Lease(last)  # of a version before, which says less of itself
+            self._leases.heard_process(last[:64], lease, now)
+            if last == self.name and not came.retained and self._leases.waiting_for_me(now):
+                self._settled_at = now  # its own message came back, and so all that was retained before
+        elif topic != self._topics.lease(last) or not last.isdecimal() or int(last) >= self._broker.partitions:
+            return
+        elif lease is None:
+            self._journal.warning("message refused", topic=topic[:200], why="no lease")
+            return
+        else:
+            self._leases.heard_lease(int(last), lease, now)
+        if not lease.owner:
             self._decide_at = now  # what is free is taken in this turn
 
     def _reconnect(self, now: float) -> None:
@@ -181,7 +203,7 @@ class Division(Work):
     # ------------------------------------------------------------------ who owns what
 
     def _decide(self, now: float) -> None:
-        if self._subscribed_at is None or now < self._subscribed_at + _SETTLE_S:
+        if self._subscribed_at is None or now < self._settled_at:
             return
         wanted = self._leases.mine(now, self.tenures)
         for partition in [one for one in self.tenures if one not in wanted]:
@@ -196,7 +218,7 @@ class Division(Work):
     def _take(self, partition: int) -> None:
         tenure = Tenure(
             self._broker, self._topics, self.name, partition, self._folder, self._make, self._journal,
-            self._left.pop(partition, None), self._beside,
+            self._last_will, self._left.pop(partition, None), self._beside,
         )  # fmt: skip
         self.tenures[partition] = tenure
         tenure.open(self._selector)

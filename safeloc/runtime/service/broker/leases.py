@@ -6,6 +6,8 @@ Each process decides for itself, by what the broker has told it, with its own mo
   counted from the moment when the last confirmed one was sent.
 - Another process may take a partition when the lease was given up, when the broker published the owner's last will, or when
   nothing was heard of the lease for its whole length, counted from the moment when the last message arrived.
+- The last will of a worker, which its parent starts again at once, says so: its partitions wait for it, for `BACK_S`. The
+  other workers take nothing and give nothing back; only if it does not come, they take what it had.
 
 A message arrives after it was sent; so the owner has stopped before a partition is taken, if the rates of both clocks differ
 by less than a tenth and if the owner's confirmed renewal reached the other process within the lease. Where the broker holds
@@ -18,6 +20,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 STOP_SHARE = 0.7
 """Share of the lease after which an owner stops that was not confirmed."""
@@ -26,19 +29,43 @@ RENEW_SHARE = 0.2
 """Share of the lease after which it is renewed."""
 
 
-def lease_text(owner: str, epoch: int) -> bytes:
+BACK_S = 1.5
+"""Seconds for which the partitions of a worker that ended wait for it: three times what its start takes."""
+
+_LONGEST_BACK_MS = 10_000
+"""Longest wait that is believed; a lease may ask for a whole length by its renewals."""
+
+
+class Lease(NamedTuple):
+    """What was told of a partition, or of a process.
+
+    owner   the owner; "" if it is free
+    back_s  the owner ended, and is expected again within so many seconds; None if it did not end
+    """
+
+    owner: str
+    back_s: float | None = None
+
+
+def lease_text(owner: str, epoch: int = 0, back_s: float | None = None) -> bytes:
     """Return the content of a lease; without an owner it is free."""
-    return json.dumps({"owner": owner, "epoch": epoch}).encode()
+    back = {} if back_s is None else {"back_ms": round(back_s * 1_000)}
+    return json.dumps({"owner": owner, "epoch": epoch, **back}).encode()
 
 
-def read_owner(text: bytes) -> str | None:
-    """Return the owner in a lease, "" for a free one; None if it is no lease."""
+def read_lease(text: bytes) -> Lease | None:
+    """Return what a message says of a lease, and an empty one that it is free; None if it is no lease."""
     try:
         found = json.loads(text) if text else {"owner": ""}
     except (ValueError, RecursionError):
         return None
     owner = found.get("owner") if isinstance(found, dict) else None
-    return owner if isinstance(owner, str) and len(owner) <= 64 else None
+    if not isinstance(owner, str) or len(owner) > 64:
+        return None
+    back_ms: object = found.get("back_ms")
+    if type(back_ms) is int and 0 <= back_ms <= _LONGEST_BACK_MS:
+        return Lease(owner, back_ms / 1_000)
+    return Lease(owner)
 
 
 @dataclass
@@ -59,16 +86,20 @@ class Leases:
         self._leases: dict[int, _Heard] = {}
         self._processes: dict[str, float] = {}
 
-    def heard_lease(self, partition: int, owner: str, now: float) -> None:
+    def heard_lease(self, partition: int, lease: Lease, now: float) -> None:
         """Note a lease that the broker told."""
-        self._leases[partition] = _Heard(owner, now)
+        self._leases[partition] = _Heard(lease.owner, self._renewed_at(lease, now))
 
-    def heard_process(self, name: str, now: float, *, there: bool) -> None:
-        """Note that a process is there, or that it went."""
-        if there:
-            self._processes[name] = now
+    def heard_process(self, name: str, lease: Lease, now: float) -> None:
+        """Note that a process is there, that it went (no owner), or that it ended and is expected again."""
+        if lease.owner:
+            self._processes[name] = self._renewed_at(lease, now)
         else:
             self._processes.pop(name, None)
+
+    def _renewed_at(self, lease: Lease, now: float) -> float:
+        """Return from when on a lease counts, so that it ends when its owner is no longer expected."""
+        return now if lease.back_s is None else now - max(0.0, self._length_s - lease.back_s)
 
     def pass_over(self, now: float) -> None:
         """Begin to count silence anew: this process could not hear anything until now."""
@@ -80,6 +111,10 @@ class Leases:
         """Return the owner of a partition; "" if it may be taken."""
         heard = self._leases.get(partition)
         return "" if heard is None or now - heard.at > self._length_s else heard.owner
+
+    def waiting_for_me(self, now: float) -> list[int]:
+        """Return the partitions whose lease names this process: its own, or those that wait for a worker that ended."""
+        return [one for one in self._leases if self.owner(one, now) == self._me]
 
     def processes(self, now: float) -> list[str]:
         """Return the processes that were heard within a lease, this one among them."""

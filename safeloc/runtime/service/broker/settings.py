@@ -31,6 +31,8 @@ class BrokerFile(BaseModel):
 
     partitions        parts into which the fleet is divided; the same for vehicles and for all processes
     lease_ms          silence after which the partition of a process may be taken by another one
+    gather_ms         least time from one turn of a process to the next; what comes meanwhile is handled at once, which takes
+                      it a fraction of the time
     user              name for the broker
     password_file     file with the password, and nothing else
     authority_file    certificates that may vouch for the broker; without it, those of the system
@@ -43,6 +45,7 @@ class BrokerFile(BaseModel):
 
     partitions: int = Field(default=16, ge=1, le=1_024)
     lease_ms: int = Field(default=5_000, ge=500, le=600_000)
+    gather_ms: int = Field(default=5, ge=0, le=100)
     user: str | None = Field(default=None, min_length=1, max_length=1_000)
     password_file: str | None = None
     authority_file: str | None = None
@@ -64,6 +67,7 @@ class Broker:
     password: str | None = field(default=None, repr=False)
     tls: ssl.SSLContext | None = None
     codes: Codes | None = field(default=None, repr=False)
+    gather_s: float = 0.0
 
 
 def is_broker(source: str) -> bool:
@@ -97,8 +101,9 @@ def read_broker(url: str, path: Path | None, environment: Mapping[str, str] = os
     tls = _tls(file, folder) if scheme == "mqtts" else None
     password = _password(file, folder, environment)
     return Broker(
-        host, port, found[3], file.partitions, file.lease_ms / 1_000, file.user, password, tls, _codes(file, folder)
-    )
+        host, port, found[3], file.partitions, file.lease_ms / 1_000, file.user, password, tls, _codes(file, folder),
+        file.gather_ms / 1_000,
+    )  # fmt: skip
 
 
 def _is_here(host: str) -> bool:

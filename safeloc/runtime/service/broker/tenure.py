@@ -44,7 +44,7 @@ class Tenure:
 
     def __init__(
         self, broker: Broker, topics: Topics, me: str, partition: int, folder: Path, make: MakeStation, journal: Journal,
-        left: Left | None = None, beside: Beside | None = None,
+        last_will: bytes, left: Left | None = None, beside: Beside | None = None,
     ) -> None:  # fmt: skip
         self.lost = ""
         self.left = left
@@ -53,7 +53,7 @@ class Tenure:
         self._topics, self._me, self._make, self._journal = topics, me, make, journal
         self._lease_s = broker.lease_s
         self._epochs, self._epoch = Epochs(folder, partition), 0
-        will = (topics.lease(partition), lease_text("", 0))
+        will = (topics.lease(partition), last_will)
         self._connection = Connection(broker, topics.session(partition), will, lasting=True)
         self._beside = beside
         self._port = PartitionPort(self._connection, topics, partition, journal, broker.codes, beside)
@@ -100,7 +100,7 @@ class Tenure:
         if self.station is not None:
             self.station.end(failed=False)
             self._port.flush()
-            self._connection.publish(self._topics.lease(self.partition), lease_text("", 0), qos=1, retained=True)
+            self._connection.publish(self._topics.lease(self.partition), lease_text(""), qos=1, retained=True)
         self._connection.close(politely=True)
         self._journal.info("partition released", partition=self.partition, epoch=self._epoch)
 

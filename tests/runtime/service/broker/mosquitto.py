@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from paho.mqtt import client as mqtt
 
-from safeloc.runtime.service.broker.leases import read_owner
+from safeloc.runtime.service.broker.leases import read_lease
 from safeloc.runtime.service.broker.topics import Topics, partition_of
 from tests.runtime.service.processes import PATIENCE_S, Data, wait_for
 
@@ -118,9 +118,9 @@ class Gateway:
     def _came(self, _client: Any, _data: Any, message: mqtt.MQTTMessage) -> None:
         kind = message.topic.removeprefix(f"{self.topics.prefix}/").partition("/")[0]
         if kind == "leases":
-            owner = read_owner(message.payload)
-            if owner is not None:
-                self.leases.append((int(message.topic.rpartition("/")[2]), owner))
+            lease = read_lease(message.payload)
+            if lease is not None:
+                self.leases.append((int(message.topic.rpartition("/")[2]), lease.owner))
         else:
             (self.reports if kind == "reports" else self.events).append(json.loads(message.payload))
 

@@ -101,6 +101,34 @@ def test_a_killed_process_costs_nothing(tmp_path: Path, there: Broker, speaker: 
     other.stop()
 
 
+def test_partitions_wait_for_a_worker_that_starts_again(tmp_path: Path, there: Broker, speaker: Gateway) -> None:
+    """The other worker takes none of them, and gives none back; each cycle has its report. Where nobody comes, it takes them."""
+    one, other = Worker(there, tmp_path / "one", worker="of-a-parent-0"), Worker(there, tmp_path / "one")
+    turn_until(lambda: shared(one, other), "shares", one, other)
+    had, others = one.running, other.running
+    said = {name: messages(numbered(40, name)) for name in VEHICLES}
+    for cycle in range(20):
+        for name in VEHICLES:
+            speaker.send(name, said[name][cycle])
+        turn_for(0.01, one, other)
+    one.kill()
+    turn_for(0.1, other)
+    again = Worker(there, tmp_path / "one", worker="of-a-parent-0")
+    for cycle in range(20, 40):
+        for name in VEHICLES:
+            speaker.send(name, said[name][cycle])
+        turn_for(0.01, again, other)
+    turn_until(lambda: all_heard(speaker, 40), "reports", again, other)
+    assert (again.running, other.running) == (had, others)
+    assert len(other.logged("partition taken")) == len(others)
+    assert not other.logged("partition released")
+    for name in VEHICLES:
+        assert heard(speaker, name, 40) == alone(name, numbered(40, name))
+    again.kill()
+    turn_until(lambda: owned(other), "taken", other)
+    other.stop()
+
+
 def test_a_process_that_hangs_says_nothing_more(tmp_path: Path, there: Broker, speaker: Gateway) -> None:
     """Its partitions are taken when its leases end. When it goes on, it finds its connections ended: nothing that it knows
     reaches anybody, and no snapshot of it is read again."""
@@ -155,7 +183,7 @@ def test_two_that_want_one_partition(tmp_path: Path, there: Broker, speaker: Gat
     turn_until(lambda: len(speaker.reports) == 10, "reports", one)
     division = Worker(there, tmp_path / "one").division
     rival = Tenure(
-        division._broker, division._topics, "rival", partition, division._folder, division._make, division._journal
+        division._broker, division._topics, "rival", partition, division._folder, division._make, division._journal, b""
     )  # fmt: skip
     worker = Worker(there, tmp_path / "one")
     rival.open(worker.selector)

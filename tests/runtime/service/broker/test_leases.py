@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from safeloc.errors import InputError, SnapshotError
 from safeloc.runtime.embedding.snapshot import sealed
 from safeloc.runtime.service.broker.epochs import Epochs, require_layout
-from safeloc.runtime.service.broker.leases import STOP_SHARE, Leases, divided, lease_text, read_owner
+from safeloc.runtime.service.broker.leases import BACK_S, STOP_SHARE, Lease, Leases, divided, lease_text, read_lease
 from safeloc.runtime.service.broker.topics import Topics, partition_of
 from safeloc.runtime.service.saving import KIND, VERSION
 
@@ -57,7 +57,7 @@ def test_the_owner_stops_first(other: float, rate: float, other_rate: float, ren
     for number in range(renewals + 1):
         sent = number * 2.0
         arrived = sent + (number * 7 % 10) / 10 * 2.0
-        leases.heard_lease(0, "a", other + arrived * other_rate)
+        leases.heard_lease(0, Lease("a"), other + arrived * other_rate)
     stops = sent + STOP_SHARE * length_s / rate
     assert leases.owner(0, other + stops * other_rate) == "a"
     assert leases.owner(0, other + (arrived + length_s / other_rate) * other_rate + 1e-6) == ""
@@ -68,17 +68,17 @@ def test_leases_in_time() -> None:
     heard nothing does not count."""
     leases = Leases("me", 4, 5.0)
     for partition in range(4):
-        leases.heard_lease(partition, "other", 0.0)
-    leases.heard_process("other", 0.0, there=True)
+        leases.heard_lease(partition, Lease("other"), 0.0)
+    leases.heard_process("other", Lease("other"), 0.0)
     assert leases.mine(4.0, ()) == set()
-    leases.heard_lease(2, "", 4.0)
+    leases.heard_lease(2, Lease(""), 4.0)
     assert leases.mine(4.0, ()) == {2}
     leases.pass_over(5.0)
     assert leases.mine(9.9, {2}) == {2}
     assert leases.mine(10.1, {2}) == {0, 1, 2, 3}
-    leases.heard_process("other", 11.0, there=True)
+    leases.heard_process("other", Lease("other"), 11.0)
     assert leases.processes(11.0) == ["me", "other"]
-    leases.heard_process("other", 11.0, there=False)
+    leases.heard_process("other", Lease(""), 11.0)
     assert leases.processes(11.0) == ["me"]
 
 
@@ -87,12 +87,41 @@ def test_leases_in_time() -> None:
 )
 def test_what_is_no_lease(text: bytes) -> None:
     """None, whatever it is."""
-    assert read_owner(text) is None
+    assert read_lease(text) is None
 
 
 def test_what_is_one() -> None:
-    """Its owner; an empty message is a free one."""
-    assert (read_owner(lease_text("a", 3)), read_owner(lease_text("", 0)), read_owner(b"")) == ("a", "", "")
+    """Its owner; an empty message is a free one; and for how long it is waited for an owner that ended."""
+    assert read_lease(lease_text("a", 3)) == Lease("a")
+    assert read_lease(lease_text("")) == read_lease(b"") == Lease("")
+    assert read_lease(lease_text("a", back_s=1.5)) == Lease("a", 1.5)
+
+
+@pytest.mark.parametrize("back_ms", ["-1", "10001", "1.5", "true", '"1500"', "null"])
+def test_a_wait_that_is_not_believed(back_ms: str) -> None:
+    """The lease then ends by its length, as any other."""
+    assert read_lease(b'{"owner": "a", "back_ms": %s}' % back_ms.encode()) == Lease("a")
+
+
+@pytest.mark.parametrize("length_s", [0.5, 5.0])
+def test_partitions_wait_for_a_worker(length_s: float) -> None:
+    """Nothing of a worker that ended is taken until it should be back; it has all of it when it is; else the others have it."""
+    waits_s = min(BACK_S, length_s)
+    leases = Leases("me", 4, length_s)
+    for partition in range(4):
+        leases.heard_lease(partition, Lease("me" if partition < 2 else "other"), 0.0)
+    leases.heard_process("other", Lease("other"), 0.0)
+    ended = Lease("other", BACK_S)
+    leases.heard_process("other", ended, 0.0)
+    for partition in (2, 3):
+        leases.heard_lease(partition, ended, 0.0)
+    assert leases.mine(0.99 * waits_s, {0, 1}) == {0, 1}
+    assert leases.mine(1.01 * waits_s, {0, 1}) == {0, 1, 2, 3}
+    again = Leases("other", 4, length_s)
+    again.heard_process("me", Lease("me"), 0.0)
+    for partition in range(4):
+        again.heard_lease(partition, Lease("me") if partition < 2 else ended, 0.0)
+    assert again.mine(0.1, ()) == {2, 3}
 
 
 @given(st.text(max_size=80), st.integers(0, 7))

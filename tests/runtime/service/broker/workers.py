@@ -37,14 +37,16 @@ class Addressed(Protocol):
 class Worker:
     """What `safeloc run --from mqtt://...` does, turn by turn."""
 
-    def __init__(self, there: Addressed, folder: Path, *, save_every_s: float = 0.05, **settings: Any) -> None:
+    def __init__(
+        self, there: Addressed, folder: Path, *, save_every_s: float = 0.05, worker: str | None = None, **settings: Any
+    ) -> None:
         trusting()  # compiled once, and not while a lease runs
         folder.mkdir(exist_ok=True)
         self._log = folder / f"log-{id(self)}"
         self._fd = os.open(self._log, os.O_WRONLY | os.O_CREAT)
         self.journal = Journal(self._fd)
         self.stations: list[Station] = []
-        self._save_every_s = save_every_s
+        self._save_every_s, self._worker = save_every_s, worker
         broker = read_broker(there.url, broker_file(folder, **settings), {})
         self.division = self._divided(broker, folder / "kept")
         self.selector = selectors.PollSelector()
@@ -56,7 +58,7 @@ class Worker:
         return self.division.name
 
     def _divided(self, broker: Broker, folder: Path) -> Division:
-        return Division(broker, folder, "odometry", self._station, self.journal)
+        return Division(broker, folder, "odometry", self._station, self.journal, worker=self._worker)
 
     def _fleet(self) -> Fleet:
         return Fleet(trusting(), SETTINGS)
