@@ -157,36 +157,35 @@ def run(
     )  # fmt: skip
     journal, programs = Journal(STDERR), _programs(target, vehicles)
     selector = _selector()
-    longest_s = None if watchdog_ms is None else ((period + watchdog_ms) / 1_000, period / 1_000)
 
     def new_fleet() -> Fleet:
         if wiring is None or broker is None or broker.codes is None:
             return Fleet(program, settings, programs)
         return AreaFleet(program, settings, wiring, broker.codes, Topics(broker.prefix, broker.partitions))
 
-    supervised, parent, worker = Supervised(alive), None, None
+    supervised = Supervised(alive)
+    link: Link | None = None
     if broker is not None:
         _require_usable(sink, snapshot, fresh=fresh, to_its_end=to_its_end)
     metrics_at = None if metrics_port is None else address(metrics_port)
     if processes is not None:
         link = _forked(processes, broker, snapshot, new_fleet, Workers(processes, journal, supervised), metrics_at)
         journal, supervised = Journal(STDERR, worker=link.number), Supervised(None, {}, link.tell)
-        parent, worker = link.sock, link.name
         metrics_at = None if metrics_at is None else _port_of(metrics_at, link.number)
     metrics = None if metrics_at is None else Metrics(metrics_at)
     tracer = _tracer(journal, metrics, log_cycles=log_cycles)
 
     def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None) -> Parts:
-        watchdog = None if longest_s is None else Watchdog(*longest_s)
+        watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
         return Parts(feed, outlet, new_fleet(), journal, saver, every_ms / 1_000, watchdog, tracer)
 
     if broker is not None:
         assert snapshot is not None
         work: Work = Division(
             broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal,
-            None if wiring is None else VehicleReports(wiring, broker.partitions), worker,
+            None if wiring is None else VehicleReports(wiring, broker.partitions), None if link is None else link.name,
         )  # fmt: skip
-        Loop(work, selector, journal, supervised, metrics, parent).run()
+        Loop(work, selector, journal, supervised, metrics, None if link is None else link.sock).run()
     else:
         feed = _feed(source, journal, to_its_end=to_its_end)
         parts = parts_of(feed, _outlet(sink, feed, selector), None)

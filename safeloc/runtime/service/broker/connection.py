@@ -76,6 +76,10 @@ class Connection:
         except (OSError, ValueError) as error:  # ssl.SSLError among them, as a certificate that does not fit
             self.lost = f"no connection: {error}"
             return
+        if self._sock is None:
+            raise InputError(
+                "this version of paho-mqtt makes its socket in a way that is not known; install paho-mqtt<3."
+            )
         self._attend()
 
     def subscribe(self, topic: str) -> None:

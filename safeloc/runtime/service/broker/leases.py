@@ -37,7 +37,7 @@ _LONGEST_BACK_MS = 10_000
 
 
 class Lease(NamedTuple):
-    """What was told of a partition, or of a process.
+    """Tells the owner of a partition, or that a process is there.
 
     owner   the owner; "" if it is free
     back_s  the owner ended, and is expected again within so many seconds; None if it did not end
