@@ -24,7 +24,7 @@ from tests.runtime.service.broker.mosquitto import (
     without_lines,
 )
 from tests.runtime.service.broker.workers import alone
-from tests.runtime.service.processes import PATIENCE_S, ROOT, numbered, read, running, wait_for
+from tests.runtime.service.processes import PATIENCE_S, ROOT, Data, numbered, read, running, wait_for
 
 FAILING = """
 import os, sys, time
@@ -37,6 +37,11 @@ if sys.argv[1] == "hangs":
     time.sleep(100)
 os._exit(7)
 """
+
+
+def taken(log: list[Data]) -> list[tuple[int, int]]:
+    """Which worker took which partition, in order."""
+    return [(one["worker"], one["partition"]) for one in log if one["event"] == "partition taken"]
 
 
 def is_there(pid: int) -> bool:
@@ -57,7 +62,7 @@ def test_workers_start_again_and_end_with_their_parent(tmp_path: Path, number: i
             "--processes", "2",
         ) as parent,
     ):  # fmt: skip
-        wait_for(lambda: len([one for one in parent.caught_up() if one["event"] == "partition taken"]) == 4, "owners")
+        wait_for(lambda: len(taken(parent.caught_up())) == 4, "owners")
         said = messages(numbered(30, "7"))
         for one in said[:15]:
             speaker.send("7", one)
@@ -67,7 +72,9 @@ def test_workers_start_again_and_end_with_their_parent(tmp_path: Path, number: i
             speaker.send("7", one)
         wait_for(lambda: len(speaker.by_cycle("7")) == 30, "reports")
         assert [without_lines(one) for _, one in sorted(speaker.by_cycle("7").items())] == alone("7", numbered(30, "7"))
-        wait_for(lambda: len([one for one in parent.caught_up() if one["event"] == "started"]) == 3, "a third worker")
+        wait_for(lambda: len(taken(parent.caught_up())) == 6, "a third worker, with the partitions of the first")
+        assert {worker for worker, _ in taken(parent.log)[4:]} == {0}
+        assert set(taken(parent.log)[4:]) <= set(taken(parent.log)[:4])
         pids = [one["pid"] for one in parent.log if one["event"] == "worker started"]
         if number == signal.SIGTERM:
             assert parent.end(number) == 0
