@@ -31,6 +31,15 @@ _STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "
 _QUANTILES = (0.5, 0.95, 0.99)
 _SHARE_TOLD = "case when cycles > before_first then told / (cycles - before_first) else 0 end"
 
+_READ_ONCE = """create table rows_ as select * from (
+    select * from {files} where row = 'vehicle'
+    union all by name
+    select row, name, stratum, x, y, sum(cycles)::bigint as cycles, sum(vehicles)::bigint as vehicles, sum(told)::bigint as told,
+        sum(width_sum_mm)::bigint as width_sum_mm, max(widest_mm) as widest_mm
+    from {files} where row <> 'vehicle' group by all
+) order by stratum"""
+"""The vehicles, and the counts of all shards together: there are some hundred questions for each stratum, and thousands of files."""
+
 
 class Results:
     """The results of a campaign, from the files of its shards."""
@@ -39,7 +48,7 @@ class Results:
         self._campaign, self._folder = campaign, folder
         self._db = duckdb.connect()
         files = str(folder / FOLDER / "*.parquet").replace("'", "''")
-        self._db.execute(f"create view rows_ as select * from read_parquet('{files}')")
+        self._db.execute(_READ_ONCE.format(files=f"read_parquet('{files}')"))
         self._confidence = campaign.declared.confidence
 
     def as_data(self) -> dict[str, Any]:

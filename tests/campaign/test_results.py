@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import safeloc
+from safeloc.campaign.aggregate import Results
 from safeloc.campaign.declaration import parse_campaign
 from safeloc.campaign.regression import NAME, standing_at
 from safeloc.campaign.results_folder import write_results
@@ -62,6 +66,35 @@ def test_results_are_counted_over_all_shards(finished: Path) -> None:
     clauses = {one["name"]: one for one in data["clauses"]}
     assert events == clauses["the wheel keeps its error law"]["vehicles"]
     assert 0 == clauses["markers are read where they are"]["cycles"]
+
+
+def test_files_are_read_once(finished: Path, tmp_path: Path) -> None:
+    """Counts of a place and of a cell are those of all shards together; no question goes back to the files, of which there
+    may be thousands."""
+    campaign = parse_campaign(SMALL, "small.toml")
+    shutil.copytree(finished / "shards", tmp_path / "shards")
+    results = Results(campaign, tmp_path)
+    shutil.rmtree(tmp_path / "shards")
+    shards = [run_shard(SMALL, "small.toml", number) for number in range(3)]
+    cells: Counter[tuple[int, int, str]] = Counter()
+    for row in (row for shard in shards for row in rows(shard, "stanford")):
+        cells[row["x"], row["y"], row["name"]] += row["cycles"]
+    assert cells == {(x, y, name): cycles for x, y, name, cycles in results.stanford()}
+    places: dict[int, list[dict[str, Any]]] = {}
+    for row in (row for shard in shards for row in rows(shard, "place")):
+        places.setdefault(row["x"], []).append(row)
+    assert any(len(some) > 1 for some in places.values())
+    assert results.along(campaign.strata[0]) == [
+        (
+            x,
+            sum(row["cycles"] for row in some),
+            told := sum(row["told"] for row in some),
+            sum(row["width_sum_mm"] for row in some) // max(told, 1),
+            max(row["widest_mm"] for row in some),
+        )
+        for x, some in sorted(places.items())
+    ]
+    assert results.as_data()["vehicle_cycles"] == 1_500
 
 
 def test_what_was_found_is_kept_as_streams_that_replay(finished: Path) -> None:
