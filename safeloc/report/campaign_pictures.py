@@ -10,6 +10,7 @@ from safeloc.report.drawing import (
     PALETTE,
     RIGHT,
     Axis,
+    Swatch,
     across_axis,
     legend,
     line,
@@ -25,6 +26,7 @@ from safeloc.report.thinning import Point
 
 _TOP, _TALL = 28, 260
 _COLOURS = PALETTE[1:]
+_OTHERS = "#c8ced3"
 _STYLE = (
     "<style>.picture text{font:11px system-ui,sans-serif;fill:#222}.picture .frame{fill:none;stroke:#c8ced3}"
     ".picture path.ink{stroke:#222}.picture .grid{stroke:#c8ced3;stroke-dasharray:3 4}.picture{background:#fff}</style>"
@@ -50,7 +52,7 @@ def stanford_of_cells(
 def width_along_line(
     stretches: Mapping[str, Sequence[tuple[int, int, int, int, int]]], step_mm: int, title: str
 ) -> str:
-    """Return mean (full) and greatest (broken line) width of the interval in stretches of the line, a colour for each stratum.
+    """Return mean (full) and greatest (broken line) width of the interval in stretches of the line, a colour for each stratum, of many for the worst.
 
     stretches  stretch, cycles, those with a report, mean and greatest width in mm
     """
@@ -60,33 +62,37 @@ def width_along_line(
         return ""
     across = Axis(min(one[0] for one in every) * step_mm, (max(one[0] for one in every) + 1) * step_mm, LEFT, RIGHT)
     up = Axis(0, max(one[4] for one in every) * 1.1 + 1, _TOP + _TALL, _TOP)
-    made, keys = [upright_axis(up, "width in m")], []
-    for colour, (name, rows) in zip(_cycle(len(told)), told.items(), strict=True):
+    made = [upright_axis(up, "width in m")]
+    colours = _colours({name: -max((one[4] for one in rows), default=0) for name, rows in told.items()})
+    for name, colour in colours.items():
         for column, dash in ((3, ""), (4, "5 3")):
-            points = [Point(across.at((one[0] + 0.5) * step_mm), up.at(one[column])) for one in rows]
+            points = [Point(across.at((one[0] + 0.5) * step_mm), up.at(one[column])) for one in told[name]]
             made.append(line([points], colour, kind="width", dash=dash))
-        keys.append(stroke_swatch(colour, name))
     made.append(across_axis(across, up.begin, "place in m"))
-    drawn, y = legend([*keys, stroke_swatch("#222", "mean"), stroke_swatch("#222", "greatest", "5 3")], up.begin + 62)
+    keys = [*_keys(colours, {}), stroke_swatch("#222", "mean"), stroke_swatch("#222", "greatest", "5 3")]
+    drawn, y = legend(keys, up.begin + 62)
     return picture([*made, drawn], y, title)
 
 
 def availability_along_line(
     stretches: Mapping[str, Sequence[tuple[int, int, int, int, int]]], step_mm: int, title: str
 ) -> str:
-    """Return the share of vehicle-cycles with a report in stretches of the line, a colour for each stratum. `stretches` as for the width."""
+    """Return the share of vehicle-cycles with a report in stretches of the line, a colour for each stratum, of many for the worst. `stretches` as for the width."""
     every = [one for rows in stretches.values() for one in rows]
     if not every:
         return ""
     across = Axis(min(one[0] for one in every) * step_mm, (max(one[0] for one in every) + 1) * step_mm, LEFT, RIGHT)
     up = Axis(0, 1.02, _TOP + _TALL, _TOP)
-    made, keys = [upright_axis(up, "share of cycles", unit=1)], []
-    for colour, (name, rows) in zip(_cycle(len(stretches)), stretches.items(), strict=True):
-        points = [Point(across.at((one[0] + 0.5) * step_mm), up.at(one[2] / one[1])) for one in rows]
+    made = [upright_axis(up, "share of cycles", unit=1)]
+    known = {name: rows for name, rows in stretches.items() if rows}
+    colours = _colours(
+        {name: sum(one[2] for one in rows) / sum(one[1] for one in rows) for name, rows in known.items()}
+    )
+    for name, colour in colours.items():
+        points = [Point(across.at((one[0] + 0.5) * step_mm), up.at(one[2] / one[1])) for one in known[name]]
         made.append(line([points], colour, kind="availability"))
-        keys.append(stroke_swatch(colour, name))
     made.append(across_axis(across, up.begin, "place in m"))
-    drawn, y = legend(keys, up.begin + 62)
+    drawn, y = legend(_keys(colours, {}), up.begin + 62)
     return picture([*made, drawn], y, title)
 
 
@@ -126,18 +132,21 @@ def times_until_silent(
     if not known:
         return ""
     across, up = Axis(0, max(ends, default=0) * 1.05 + 1_000, LEFT, RIGHT), Axis(0, 1.02, _TOP + _TALL, _TOP)
-    made, keys = [upright_axis(up, "share of vehicles", unit=1)], []
-    for colour, (name, rows) in zip(_cycle(len(known)), known.items(), strict=True):
-        total = sum(vehicles for _, vehicles in rows)
-        room = math.sqrt(math.log(2 / (1 - confidence)) / (2 * total))
-        points = _steps(
-            [(cycles * period_ms[name], vehicles) for cycles, vehicles in rows if cycles >= 0], total, across.high
-        )
-        made.append(_around(points, room, across, up, colour))
+    made = [upright_axis(up, "share of vehicles", unit=1)]
+    totals = {name: sum(vehicles for _, vehicles in rows) for name, rows in known.items()}
+    withdrawn = {
+        name: [(cycles * period_ms[name], vehicles) for cycles, vehicles in rows if cycles >= 0]
+        for name, rows in known.items()
+    }
+    colours = _colours({name: sum(vehicles for _, vehicles in rows) / totals[name] for name, rows in withdrawn.items()})
+    for name, colour in colours.items():
+        points = _steps(withdrawn[name], totals[name], across.high)
+        if colour != _OTHERS:
+            room = math.sqrt(math.log(2 / (1 - confidence)) / (2 * totals[name]))
+            made.append(_around(points, room, across, up, colour))
         made.append(line([[Point(across.at(x), up.at(y)) for x, y in points]], colour, kind="withdrawn"))
-        keys.append(stroke_swatch(colour, f"{name}: {total} vehicles"))
     made.append(across_axis(across, up.begin, "time in s"))
-    drawn, y = legend(keys, up.begin + 62)
+    drawn, y = legend(_keys(colours, {name: f": {total} vehicles" for name, total in totals.items()}), up.begin + 62)
     band_says = (
         f"shaded: the band that holds the whole curve at {confidence * 100:g} % (Dvoretzky, Kiefer, Wolfowitz, Massart)"
     )
@@ -161,8 +170,21 @@ def _steps(times: Sequence[tuple[int, int]], total: int, end: float) -> list[tup
     return [*points, (end, share)]
 
 
-def _cycle(number: int) -> list[str]:
-    return [_COLOURS[index % len(_COLOURS)] for index in range(number)]
+def _colours(goodness: Mapping[str, float]) -> dict[str, str]:
+    """Return the colour of each stratum, in the order of drawing: the worst have one each, all others are grey and below them."""
+    worst = sorted(goodness, key=goodness.__getitem__)[: len(_COLOURS)]
+    own = dict(zip((name for name in goodness if name in worst), _COLOURS, strict=False))
+    return dict.fromkeys((name for name in goodness if name not in own), _OTHERS) | own
+
+
+def _keys(colours: Mapping[str, str], more: Mapping[str, str]) -> list[Swatch]:
+    """Return the swatches of the legend: one for each stratum with a colour of its own, and one for all others."""
+    keys = [stroke_swatch(colour, name + more.get(name, "")) for name, colour in colours.items() if colour != _OTHERS]
+    others = len(colours) - len(keys)
+    return [
+        *keys,
+        *([stroke_swatch(_OTHERS, f"{others} other situations (the page has their figures)")] if others else []),
+    ]
 
 
 def with_style(drawn: str) -> str:

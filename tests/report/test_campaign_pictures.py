@@ -74,3 +74,20 @@ def test_margins_stand_left_of_the_truth_where_an_interval_misses_it() -> None:
     assert [begin < zero for begin in begins] == [False, True]
     assert 8 == drawn.count('class="quantile"')
     assert margins_of_situations({"a": []}, "m") == ""
+
+
+def test_of_many_situations_the_worst_are_told_apart() -> None:
+    """They have a colour, a band and a name; the others are grey, drawn before them, and counted."""
+    times = {f"situation {number}": [(-1, number), (10, 40 - number)] for number in range(40)}
+    drawn = times_until_silent(times, dict.fromkeys(times, 100), 0.95, "times")
+    named = [int(one) for one in re.findall(r"situation ([0-9]+): 40 vehicles", drawn)]
+    assert named == list(range(40 - len(named), 40))
+    assert len(named) == drawn.count("<polygon")
+    assert f"{40 - len(named)} other situations" in drawn
+    assert 40 == drawn.count('class="withdrawn"')
+    widths = {f"situation {number}": [(0, 10, 10, 1_000, 2_000 + number)] for number in range(40)}
+    assert "situation 39<" in width_along_line(widths, 50_000, "w")
+    assert "situation 0<" not in width_along_line(widths, 50_000, "w")
+    told = {f"situation {number}": [(0, 100, number, 1_000, 2_000)] for number in range(40)}
+    assert "situation 0<" in availability_along_line(told, 50_000, "a")
+    assert "situation 39<" not in availability_along_line(told, 50_000, "a")
