@@ -12,6 +12,7 @@ from safeloc.language.expr import Bool, Expr, Num, Var, boolean, floor_div, numb
 from safeloc.language.interpret import read_inputs, start, step
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import Past, Value
+from safeloc.language.spec import always
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.proof.provers.recheck import decide
@@ -106,6 +107,13 @@ def test_what_is_defined_already_is_not_defined_again() -> None:
         "(define-fun t3 () Bool (< t2 5))",
         "(define-fun t4 () Bool (and t1 t3))",
     ]
+
+
+def test_a_goal_that_is_a_property_is_told_by_its_name() -> None:
+    """Its place in a file is no part of the text: the same machine in another folder has the same certificates."""
+    flag = boolean("flag")
+    text = to_smtlib(Query("claims", [flag], {always("it stays", flag): flag}))
+    assert [line for line in text.splitlines() if line.startswith(";")][2:] == ["; it stays"]
 
 
 def test_products_of_variables_name_the_logic_they_need() -> None:
