@@ -1,8 +1,8 @@
 """SMT-LIB 2 text of a query, written from our own terms without z3.
 
 A query states hypotheses and goals over free variables; a goal follows from the hypotheses exactly if the answer to its
-`check-sat` is `unsat`. Shared sub-terms become definitions, so the text stays as small as the terms. Witness functions are
-definitions too: `|witness 1.2 of x|` is the term for x in the second witness for group 1 of the inputs.
+`check-sat` is `unsat`. Shared sub-terms become definitions, numbered one by one, so the text stays as small as the terms; what has been
+defined already is not defined again. Witness functions are definitions too: `|witness 1.2 of x|` is the term for x in the second witness for group 1 of the inputs.
 """
 
 from __future__ import annotations
@@ -64,13 +64,14 @@ def to_smtlib(query: Query[Key], relies_on: Sequence[str] = ()) -> str:
     relies_on  files of the certificates whose results are hypotheses of this query
     """
     names: dict[Expr, str] = {}
+    defined: dict[str, str] = {}
     witnesses = {(key, var): term for key, witness in query.witnesses.items() for var, term in witness.items()}
     nodes = in_order([*query.hypotheses, *query.goals.values(), *witnesses.values()])
     logic = "QF_NIA" if any(_is_product(node) for node in nodes) else "QF_LIA"
     lines = [f"; {_comment(line)}" for line in _header(query, relies_on)]
     lines += [f"(set-logic {logic})", "(set-info :status unsat)"]
-    for number, node in enumerate(nodes):
-        lines += _line(node, names, number)
+    for node in nodes:
+        lines += _line(node, names, defined)
     lines += [f"(assert {names[term]})" for term in query.hypotheses]
     lines += [
         f"(define-fun |witness {key} of {var.name}| () {_sort(var)} {names[term]})"
@@ -95,16 +96,18 @@ def _comment(text: str) -> str:
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
-def _line(node: Node, names: dict[Expr, str], number: int) -> list[str]:
-    """Register the node's name, and return its declaration or definition; none for a constant."""
+def _line(node: Node, names: dict[Expr, str], defined: dict[str, str]) -> list[str]:
+    """Register the node's name, and return its declaration or definition; none for a constant, and for what is defined already."""
     if isinstance(node, (Lit, Truth)):
         names[node] = _text(node, names)
         return []
     if isinstance(node, (NumVar, BoolVar)):
         names[node] = _symbol(node.name)
         return [f"(declare-const {_symbol(node.name)} {_sort(node)})"]
-    names[node] = f"t{number}"
-    return [f"(define-fun t{number} () {_sort(node)} {_text(node, names)})"]
+    said = f"{_sort(node)} {_text(node, names)}"
+    number = len(defined)
+    names[node] = defined.setdefault(said, f"t{number}")
+    return [f"(define-fun t{number} () {said})"] if len(defined) > number else []
 
 
 def _symbol(name: str) -> str:

@@ -71,6 +71,10 @@ class Property:
     def __post_init__(self) -> None:
         check_property(self)
 
+    def __str__(self) -> str:
+        """Return the name, by which certificates tell it: what else it holds, such as its place in a file, is no part of them."""
+        return self.name
+
     @property
     def relies_on(self) -> str:
         """The assumption of the verdict in words: the machine's assumption, and the property's further one."""

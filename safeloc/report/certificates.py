@@ -1,8 +1,8 @@
-"""The packed certificates of a report folder: certificates/MACHINE.tar.xz has those of all claims of a machine.
+"""The packed certificates of a report folder: certificates/MACHINE.texts.xz has those of all claims of a machine.
 
-Texts of one machine have most of their lines in common: packed together they are half as large as in a file for each claim, as
-reports of earlier versions have them. Each file is an ordinary archive (`tar xf FILE`) of SMT-LIB2 texts. The name of a text ends in the digest of its content, and
-its header names the texts that it relies on. report.json lists the texts of each file.
+Each file has the lines of its SMT-LIB2 texts once (safeloc.report.shared_lines); `safeloc report FOLDER --extract DIR` writes each text to
+a file. The name of a text ends in the digest of its content, and its header names the texts that it relies on. report.json lists the
+texts of each file. Reports of earlier versions have archives (MACHINE.tar.xz) of all texts in full, or of those of one claim.
 """
 
 from __future__ import annotations
@@ -19,9 +19,11 @@ from safeloc.errors import InputError
 from safeloc.language.verdict import Proved
 from safeloc.proof.results import Finding
 from safeloc.report.file_names import file_names
+from safeloc.report.shared_lines import shared_lines, texts_of
+from safeloc.runtime.outside import LARGEST_FILE, shortened
 from safeloc.runtime.packed import packed, read_packed
 
-FOLDER, SUFFIX = "certificates", ".tar.xz"
+FOLDER, SUFFIX, FORMER = "certificates", ".texts.xz", ".tar.xz"
 Archives = dict[str, dict[str, str]]
 """File -> name of each text in it -> the text."""
 
@@ -57,19 +59,7 @@ def write_archives(folder: Path, found: Archives) -> None:
 
 def _write(folder: Path, one: tuple[str, Mapping[str, str]]) -> None:
     file, texts = one
-    (folder / file).write_bytes(packed(_archive(texts)))
-
-
-def _archive(texts: Mapping[str, str]) -> bytes:
-    """Return an archive without times and owners, so that equal texts give equal bytes."""
-    content = io.BytesIO()
-    with tarfile.open(fileobj=content, mode="w", format=tarfile.PAX_FORMAT) as archive:
-        for name, text in texts.items():
-            data = text.encode()
-            member = tarfile.TarInfo(name)
-            member.size = len(data)
-            archive.addfile(member, io.BytesIO(data))
-    return content.getvalue()
+    (folder / file).write_bytes(packed(shared_lines(texts).encode()))
 
 
 # ------------------------------------------------------------------ read
@@ -91,10 +81,10 @@ def read_archives(folder: Path, expected: Mapping[str, Sequence[str]]) -> Texts:
     A file that is damaged, missing or has other texts is listed as damaged, and none of its texts is returned.
     """
     found = Texts()
-    present = {path.name: path for path in sorted(folder.glob(f"*{SUFFIX}"))}
+    present = {path.name: path for suffix in (SUFFIX, FORMER) for path in sorted(folder.glob(f"*{suffix}"))}
     for file in [*present, *(file for file in expected if file not in present)]:
         try:
-            texts = _read(folder / file)
+            texts = (_read_former if file.endswith(FORMER) else _read)(folder / file)
             if set(texts) != {*expected.get(file, ())}:
                 raise InputError(f"{folder / file}: its certificates are not those listed in report.json.")
             found.texts |= texts
@@ -104,6 +94,15 @@ def read_archives(folder: Path, expected: Mapping[str, Sequence[str]]) -> Texts:
 
 
 def _read(path: Path) -> dict[str, str]:
+    """Return the texts of one file by name. InputError for any other file."""
+    content = read_packed(path).decode("utf-8", errors="replace")
+    try:
+        return texts_of(content, LARGEST_FILE)
+    except (ValueError, LookupError) as error:
+        raise InputError(f"{path}: damaged, no certificates ({shortened(error)}). Write the report again.") from error
+
+
+def _read_former(path: Path) -> dict[str, str]:
     """Return the texts of one archive by name. InputError for any other file, and for a name that occurs twice."""
     texts: dict[str, str] = {}
     try:

@@ -3,7 +3,7 @@
 index.html     the page; page/: parts that it loads when they are opened
 run.html       the page that steps through runs
 report.json    the data; large parts are in separate files (safeloc.report.stored)
-certificates/  one packed file for each claim (safeloc.report.certificates)
+certificates/  one packed file for each machine (safeloc.report.certificates)
 traces/        one script for each machine: the runs of its results, in columns (safeloc.runtime.streams.columns)
 machines/      one packed file for each machine: its content on the page
 junit.xml      for continuous integration
@@ -41,6 +41,7 @@ from safeloc.runtime.streams.columns import Shown, runs_file
 PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
 _OWN = (
     (certificates.FOLDER, f"*{certificates.SUFFIX}"),
+    (certificates.FOLDER, f"*{certificates.FORMER}"),
     (stored.TRACES, f"*{stored.RUNS}"),
     (stored.MACHINES, f"*{stored.SUFFIX}"),
     (stored.MACHINES, f"*{stored.RUNS}"),

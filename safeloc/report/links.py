@@ -84,9 +84,9 @@ class Links:
         return [(file, f"certificates {_beginning(texts)}") for file, texts in own.items()]
 
     def packed(self, machine: str) -> str:
-        """Return the file with the certificates of a machine; nothing if there is none."""
-        file = f"{self._files[machine]}.tar.xz"
-        return f"{CERTIFICATES}/{file}" if file in self._certified else ""
+        """Return the file with the certificates of a machine, with the suffix of this version or of earlier ones; nothing if there is none."""
+        files = (f"{self._files[machine]}{suffix}" for suffix in (".texts.xz", ".tar.xz"))
+        return next((f"{CERTIFICATES}/{file}" for file in files if file in self._certified), "")
 
     def _run(self, row: _Data) -> list[tuple[str, str]]:
         return [(at, f"run of {self._runs[row['id']]} steps")] if (at := self.run(row)) else []

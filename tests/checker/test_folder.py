@@ -104,8 +104,8 @@ def test_a_damaged_file(copy: Path, spoilt: Callable[[bytes], bytes]) -> None:
 
 def test_a_stranger_among_the_files(copy: Path) -> None:
     """A file that the report does not know is told."""
-    write_archives(copy / "certificates", {"stranger.tar.xz": {"a.smt2": "(check-sat)"}})
-    assert ["stranger.tar.xz"] == list(check_folder(copy, seconds=10).wrong)
+    write_archives(copy / "certificates", {"stranger.texts.xz": {"a.smt2": "(check-sat)"}})
+    assert ["stranger.texts.xz"] == list(check_folder(copy, seconds=10).wrong)
 
 
 def test_a_run_that_does_not_show_it(copy: Path) -> None:

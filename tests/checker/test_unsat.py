@@ -25,7 +25,7 @@ def certificates() -> dict[str, str]:
 def kept(folder: Path, texts: dict[str, str]) -> Path:
     """A folder as reports have it."""
     (folder / "certificates").mkdir()
-    files = {"proof.tar.xz": texts} if texts else {}
+    files = {"proof.texts.xz": texts} if texts else {}
     write_archives(folder / "certificates", files)
     data = {"certificates": {file: list(own) for file, own in files.items()}, "results": [], "requirements": []}
     (folder / "report.json").write_text(json.dumps({"schema": SCHEMA, **data}), encoding="utf-8")
@@ -53,10 +53,10 @@ def test_what_does_not_follow_or_cannot_be_read_is_named(tmp_path: Path) -> None
 
 def test_a_damaged_file_is_named(tmp_path: Path) -> None:
     """Its proofs are not made."""
-    path = kept(tmp_path, certificates()) / "certificates" / "proof.tar.xz"
+    path = kept(tmp_path, certificates()) / "certificates" / "proof.texts.xz"
     path.write_bytes(path.read_bytes()[:-4])
     found = survey(tmp_path, jobs=1, seconds=1, progress=lambda *_: None)
-    assert {"proof.tar.xz": f"{path}: damaged, it ends too early. Write the report again."} == found.unproved
+    assert {"proof.texts.xz": f"{path}: damaged, it ends too early. Write the report again."} == found.unproved
 
 
 def test_a_folder_without_certificates_is_refused(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ from safeloc.language.expr import Bool, Expr, Num, Var, boolean, floor_div, numb
 from safeloc.language.interpret import read_inputs, start, step
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import Past, Value
+from safeloc.language.spec import always
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.proof.provers.recheck import decide
@@ -80,19 +81,39 @@ TEXT = """; safeloc-certificate/1
 (set-info :status unsat)
 (declare-const |halved| Bool)
 (declare-const |x| Int)
-(define-fun t3 () Int (- |x| 3))
-(define-fun t4 () Int (div t3 2))
-(define-fun t6 () Bool (= t4 (- 1)))
-(define-fun t7 () Int (+ t4 t4))
-(define-fun t8 () Bool (< t7 |x|))
+(define-fun t0 () Int (- |x| 3))
+(define-fun t1 () Int (div t0 2))
+(define-fun t2 () Bool (= t1 (- 1)))
+(define-fun t3 () Int (+ t1 t1))
+(define-fun t4 () Bool (< t3 |x|))
 (assert |halved|)
-(assert t6)
+(assert t2)
 (push 1)
 ; odd or even
-(assert (not t8))
+(assert (not t4))
 (check-sat)
 (pop 1)
 """
+
+
+def test_what_is_defined_already_is_not_defined_again() -> None:
+    """Two terms that were made apart and say the same are one definition; those of other parts are not."""
+    x = number("x", COUNT, -9, 9)
+    text = to_smtlib(Query("same", [x + 1 < 5], {"twice": (x + 1 < 5) & (x + 2 < 5)}))
+    assert [line for line in text.splitlines() if line.startswith("(define-fun")] == [
+        "(define-fun t0 () Int (+ |x| 1))",
+        "(define-fun t1 () Bool (< t0 5))",
+        "(define-fun t2 () Int (+ |x| 2))",
+        "(define-fun t3 () Bool (< t2 5))",
+        "(define-fun t4 () Bool (and t1 t3))",
+    ]
+
+
+def test_a_goal_that_is_a_property_is_told_by_its_name() -> None:
+    """Its place in a file is no part of the text: the same machine in another folder has the same certificates."""
+    flag = boolean("flag")
+    text = to_smtlib(Query("claims", [flag], {always("it stays", flag): flag}))
+    assert [line for line in text.splitlines() if line.startswith(";")][2:] == ["; it stays"]
 
 
 def test_products_of_variables_name_the_logic_they_need() -> None:

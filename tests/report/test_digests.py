@@ -46,10 +46,10 @@ def test_what_does_not_fit(folder: Path) -> None:
     """Each by its name; rendering the page again makes none of it good."""
     (folder / "traces" / "door.js").write_text("")
     (folder / "junit.xml").unlink()
-    (folder / "certificates" / "mine.tar.xz").write_text("")
+    (folder / "certificates" / "mine.texts.xz").write_text("")
     expected = [
         "junit.xml is missing",
-        "certificates/mine.tar.xz is not of this report",
+        "certificates/mine.texts.xz is not of this report",
         "traces/door.js is not the file that was written",
     ]
     assert unfit(folder) == expected

@@ -53,7 +53,7 @@ def test_a_result_leads_to_its_evidence(tmp_path: Path) -> None:
     assert [(file, "second.smt2")] == re.findall(r'href="(certificates/[^"]*)">certificates ([^<]*)<', rows["r1"])
     assert 'href="run.html#result=door%2Fproperty%2Fclock+at+rest">run of 3 steps</a>' in rows["r1"]
     assert re.search(r'href="#(source-door-\d+)">[^<]*door_controller\.py:\d+</a>', rows["r1"])
-    assert '<a href="certificates/door.tar.xz">certificates of door</a>' in page
+    assert '<a href="certificates/door.texts.xz">certificates of door</a>' in page
 
 
 def test_every_link_leads_to_a_file_or_a_place(tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import tarfile
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -24,7 +23,9 @@ from safeloc.report import data as data_module
 from safeloc.report.data import report_data, versions
 from safeloc.report.folder import render_folder, usable, write_folder
 from safeloc.report.page import to_html
+from safeloc.report.shared_lines import texts_of
 from safeloc.report.traces import shown_value, trace_charts
+from safeloc.runtime.packed import read_packed
 from safeloc.runtime.streams.columns import read_runs
 
 DOOR = f"{Path(__file__).parents[1] / 'data' / 'door_controller.py'}:machine"
@@ -125,11 +126,8 @@ def test_folder(tmp_path: Path) -> None:
     """Page, data, JUnit, certificates and traces are written; the page can be rendered again from the data."""
     page = write_folder(tmp_path, findings(), [door()])
     first = page.read_text(encoding="utf-8")
-    with tarfile.open(tmp_path / "certificates" / "door.tar.xz") as archive:
-        (member,) = archive.getmembers()
-        content = archive.extractfile(member)
-        assert content is not None
-        assert (member.name, content.read()) == ("good.smt2", b"(check-sat)")
+    packed = read_packed(tmp_path / "certificates" / "door.texts.xz").decode()
+    assert texts_of(packed, 100) == {"good.smt2": "(check-sat)"}
     assert ["door/property/good", "door/property/bad <b>"] == list(read_runs(tmp_path / "traces" / "door.js"))
     page.unlink()
     assert render_folder(tmp_path).read_text(encoding="utf-8") == first

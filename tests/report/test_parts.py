@@ -149,7 +149,7 @@ def test_what_is_packed_can_be_written_out(tmp_path: Path) -> None:
     assert (tmp_path / "plain" / "certificates" / "good.smt2").read_text(encoding="utf-8") == "(check-sat)"
     bad = read_steps(tmp_path / "plain" / "traces" / "door-property-bad--b-.jsonl")
     assert ("door", [True, False, False]) == (bad.machine, [step["released"] for step in bad.steps])
-    path = tmp_path / "certificates" / "door.tar.xz"
+    path = tmp_path / "certificates" / "door.texts.xz"
     path.write_bytes(path.read_bytes()[:-4])
-    with pytest.raises(InputError, match=r"door\.tar\.xz: damaged, it ends too early"):
+    with pytest.raises(InputError, match=r"door\.texts\.xz: damaged, it ends too early"):
         extract(tmp_path, tmp_path / "again")

@@ -405,11 +405,11 @@ def test_folder(folder: Path) -> None:
     assert isinstance(proof, Proved)
     assert proof.certificates
     expected = {"index.html", "report.json", "junit.xml", "results.sarif", TRACES, "machines/lamp.json.xz"}
-    expected |= {"certificates/lamp.tar.xz", "run.html", "SHA256SUMS"}
+    expected |= {"certificates/lamp.texts.xz", "run.html", "SHA256SUMS"}
     expected |= {"page/lamp.view.js", "page/results.js", "machines/lamp.js"}
     assert {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()} == expected
     jsonschema.validate(json.loads((folder / "report.json").read_text(encoding="utf-8")), schema())
-    read = read_archives(folder / "certificates", {"lamp.tar.xz": list(proof.certificates)})
+    read = read_archives(folder / "certificates", {"lamp.texts.xz": list(proof.certificates)})
     assert (proof.certificates, {}) == (read.texts, read.damaged)
 
 

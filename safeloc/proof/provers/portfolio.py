@@ -1,7 +1,7 @@
 """All engines together: k-induction first, bounded search, Spacer, then falsifiers; several properties in parallel.
 
-Each property has a process of its own. It may use its time limit twice, once to be decided and once to be re-checked; then
-the clock ends the process.
+Each property may use its time limit twice, once to be decided and once to be re-checked; then the clock ends its process. A process has
+several properties, one after the other, and no property finds there what a solver did for another one.
 """
 
 from __future__ import annotations
@@ -392,7 +392,8 @@ def _search(system: TransitionSystem, dropped: Sequence[Dropped], limits: Limits
 def _task(claim: _Claim, limits: Limits) -> Task:
     goal = claim.goal
     end = _end(limits) * (1 if goal.prop.further_assumption is TRUE else 2)  # proving that it lasts takes as long again
-    return Task(f"{goal.original.name}: {goal.prop.name}", lambda: pack(claim.prover(goal, limits)), end)
+    name = f"{goal.original.name}: {goal.prop.name}"
+    return Task(name, lambda: pack(claim.prover(goal, limits)), end, follows=True)
 
 
 def _received(packed: Packed | Lost, goal: Goal) -> Verdict:

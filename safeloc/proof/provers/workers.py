@@ -1,6 +1,7 @@
-"""Tasks in processes of their own: several at a time, each with a time limit in case its solver hangs.
+"""Tasks in processes: several at a time, each with a time limit in case its solver hangs.
 
-Processes are forked, so that nothing has to be sent to them; they send plain data back.
+Processes are forked, so that nothing has to be sent to them; they send plain data back. A task has a process of its own, or follows
+others in one: starting a process takes longer than many a small task.
 """
 
 from __future__ import annotations
@@ -16,16 +17,24 @@ from multiprocessing.context import ForkContext, ForkProcess
 from typing import Any
 
 from safeloc.errors import EngineError
+from safeloc.proof.provers.before_forking import renew
 from safeloc.proof.provers.slots import shared
+
+_MOST_IN_A_PROCESS = 16
+"""Tasks after which a process ends, with the memory that they have left in it."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """A piece of work: `work` returns plain data; its process is ended after `seconds`."""
+    """A piece of work: `work` returns plain data; its process is ended after `seconds`.
+
+    follows  it may run in a process in which other such tasks have ended; solvers begin anew for it (before_forking.renew)
+    """
 
     name: str
     work: Callable[[], Any]
     seconds: float
+    follows: bool = False
 
 
 @dataclass(frozen=True)
@@ -44,10 +53,18 @@ class _Failed:
 
 @dataclass
 class _Worker:
+    """A process with the task that it runs, or has ended.
+
+    known  number of the tasks that were there when it was forked, which it can run
+    begun  number of the tasks that it has begun
+    """
+
     index: int
     process: ForkProcess
     pipe: Connection
     started: float
+    known: int
+    begun: int = 1
 
 
 Then = Callable[[Any | Lost, float], None]
@@ -63,6 +80,7 @@ class Queue:
     def __init__(self, jobs: int) -> None:
         self._jobs, self._tasks = max(1, jobs), list[Task]()
         self._waiting, self._running, self._then = list[int](), list[_Worker](), dict[int, Then]()
+        self._idle = list[_Worker]()
 
     def add(self, task: Task, then: Then | None = None) -> None:
         """Add a task; also from the `then` of another one."""
@@ -85,18 +103,21 @@ class Queue:
         try:
             while self._waiting or self._running:
                 while self._may_start() and (slots is None or slots.try_take()):
-                    number = self._waiting.pop(0)
-                    self._running.append(_start(context, number, self._tasks[number]))
+                    self._running.append(self._begun(context, self._waiting.pop(0)))
+                if not any(self._tasks[number].follows for number in self._waiting):
+                    self._dismiss_idle()
                 free = [slots.free] if slots is not None and self._may_start() else []
                 wait([*free, *(worker.pipe for worker in self._running)], timeout=_patience(self._running, self._tasks))
                 for worker in list(self._running):
                     answer = _answer(worker, self._tasks[worker.index])
                     if answer is not None:
                         self._running.remove(worker)
+                        self._leave(worker, answer[0])
                         if slots is not None:
                             slots.give()
                         yield worker.index, answer[0], time.monotonic() - worker.started
         finally:
+            self._dismiss_idle()
             for worker in self._running:
                 _end(worker)
                 if slots is not None:
@@ -106,6 +127,29 @@ class Queue:
 
     def _may_start(self) -> bool:
         return bool(self._waiting) and len(self._running) < self._jobs
+
+    def _begun(self, context: ForkContext, number: int) -> _Worker:
+        """Begin a task: in a process that waits for another one, if it follows and was known to that process; else in a new one."""
+        if self._tasks[number].follows:
+            for worker in [one for one in self._idle if number < one.known]:
+                self._idle.remove(worker)
+                if _goes_on(worker, number):
+                    return worker
+            self._dismiss_idle()
+        return _start(context, number, self._tasks)
+
+    def _leave(self, worker: _Worker, answer: Any | Lost) -> None:
+        """Keep the process of a task that has ended for another task, or let it end."""
+        if isinstance(answer, Lost):
+            return
+        if self._tasks[worker.index].follows and worker.begun < _MOST_IN_A_PROCESS:
+            self._idle.append(worker)
+        else:
+            _dismiss(worker)
+
+    def _dismiss_idle(self) -> None:
+        while self._idle:
+            _dismiss(self._idle.pop())
 
 
 def in_processes(tasks: Sequence[Task], jobs: int) -> Iterator[tuple[int, Any | Lost, float]]:
@@ -125,23 +169,59 @@ def _forking() -> ForkContext:
     return multiprocessing.get_context("fork")
 
 
-def _start(context: ForkContext, index: int, task: Task) -> _Worker:
-    here, there = context.Pipe(duplex=False)
-    process = context.Process(target=_run, args=(task, there), daemon=True)
+def _start(context: ForkContext, index: int, tasks: Sequence[Task]) -> _Worker:
+    here, there = context.Pipe(duplex=True)
+    process = context.Process(target=_run, args=(tasks, index, there, here), daemon=True)
     process.start()
     there.close()
-    return _Worker(index, process, here, time.monotonic())
+    return _Worker(index, process, here, time.monotonic(), len(tasks))
 
 
-def _run(task: Task, pipe: Connection) -> None:
-    """Run the task in the new process; an exception is sent as text, and the parent raises it."""
-    gc.freeze()  # keeps the collector away from inherited objects, since visiting them would copy every page
+def _goes_on(worker: _Worker, index: int) -> bool:
+    """Give a process that waits its next task; False if it has died meanwhile."""
     try:
-        pipe.send((task.work(),))
-    except Exception as error:  # not swallowed: the parent raises it
-        pipe.send(_Failed(f"{type(error).__name__}: {error}"))
-    finally:
-        pipe.close()
+        worker.pipe.send(index)
+    except OSError:
+        _end(worker)
+        return False
+    worker.index, worker.started, worker.begun = index, time.monotonic(), worker.begun + 1
+    return True
+
+
+def _dismiss(worker: _Worker) -> None:
+    """Let a process end that has ended its task."""
+    with suppress(OSError):
+        worker.pipe.send(None)
+    worker.process.join()
+    worker.pipe.close()
+
+
+def _run(tasks: Sequence[Task], index: int, pipe: Connection, parents: Connection) -> None:
+    """Run the task in the new process, and those that the parent asks for then; an exception is sent as text, and the parent raises it.
+
+    parents  the parent's end of the pipe: closed here, so that this process notices when the parent is gone
+    """
+    gc.freeze()  # keeps the collector away from inherited objects, since visiting them would copy every page
+    parents.close()
+    following: int | None = index
+    with pipe:
+        while following is not None:
+            try:
+                pipe.send((tasks[following].work(),))
+            except Exception as error:  # not swallowed: the parent raises it
+                pipe.send(_Failed(f"{type(error).__name__}: {error}"))
+            following = _following(pipe)
+
+
+def _following(pipe: Connection) -> int | None:
+    """Wait for the next task, and prepare for it; None if there is none, or nobody who could ask."""
+    try:
+        index: int | None = pipe.recv()
+    except (EOFError, OSError):
+        return None
+    if index is not None:
+        renew()
+    return index
 
 
 def _patience(running: Sequence[_Worker], tasks: Sequence[Task]) -> float | None:
@@ -164,9 +244,8 @@ def _received(worker: _Worker, task: Task) -> Any | Lost:
         data = worker.pipe.recv()
     except EOFError:
         worker.process.join()
+        worker.pipe.close()
         return Lost(f"its process ended with code {worker.process.exitcode}")
-    worker.process.join()
-    worker.pipe.close()
     if isinstance(data, _Failed):
         raise EngineError(f"{task.name}: {data.text}")
     return data[0]

@@ -8,6 +8,7 @@ import time
 from functools import partial
 
 import pytest
+import z3
 
 from safeloc.errors import EngineError
 from safeloc.proof.provers.workers import Lost, Queue, Task, in_processes
@@ -72,3 +73,58 @@ def test_an_error_of_what_follows_ends_the_others() -> None:
         queue.run()
     assert time.monotonic() - started < 10.0
     assert [] == multiprocessing.active_children()
+
+
+def _processes(queue: Queue) -> list[object]:
+    """What the tasks of a queue return, in the order in which they end."""
+    return [data for _, data, _ in queue.ended()]
+
+
+def test_small_tasks_follow_each_other_in_a_process() -> None:
+    """One process has several of them, but not without end; a task that follows nobody has its own."""
+    queue = Queue(1)
+    for number in range(40):
+        queue.add(Task(str(number), os.getpid, 30.0, follows=True))
+    queue.add(Task("alone", os.getpid, 30.0))
+    *following, alone = _processes(queue)
+    assert 1 < len(set(following)) < 10
+    assert alone not in following
+    assert [] == multiprocessing.active_children()
+
+
+def test_solvers_begin_anew_for_a_task_that_follows() -> None:
+    """It finds an empty context of z3, as a task in a new process does: what another task did changes no answer."""
+
+    def numbers() -> tuple[int, int]:
+        return os.getpid(), z3.Int("x").get_id() + z3.Solver().num_scopes()
+
+    z3.main_ctx()
+    queue = Queue(1)
+    for number in range(3):
+        queue.add(Task(str(number), numbers, 30.0, follows=True))
+    [(process, first), *others] = _processes(queue)
+    assert [(process, first)] * 2 == others
+
+
+def test_a_process_that_is_lost_takes_no_other_task_with_it() -> None:
+    """Of tasks that follow each other, one that dies and one that hangs are lost alone; each task has its whole time."""
+    works = [lambda: 1, lambda: os._exit(7), lambda: 2, lambda: time.sleep(600), lambda: 3]
+    queue = Queue(1)
+    for number, work in enumerate(works):
+        queue.add(Task(str(number), work, 1.0 if number == 3 else 30.0, follows=True))
+    died, hung = Lost("its process ended with code 7"), Lost("ended by the clock after 1 s")
+    assert [1, died, 2, hung, 3] == _processes(queue)
+
+
+def test_a_task_that_was_added_later_follows_as_well() -> None:
+    """A process that was forked before the task was there does not run it."""
+    queue, found = Queue(1), list[int]()
+
+    def follow(number: int, _seconds: float) -> None:
+        found.append(number)
+        if number < 200:
+            queue.add(Task("square", partial(pow, number, 2), 30.0, follows=True), follow)
+
+    queue.add(Task("two", lambda: 2, 30.0, follows=True), follow)
+    queue.run()
+    assert [2, 4, 16, 256] == found
