@@ -8,7 +8,7 @@ properties. The doors of the package belong to no room.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -44,16 +44,33 @@ def module_of(path: Path) -> str:
     return name if name.startswith("safeloc") else f"safeloc.{name}"
 
 
-def imported(code: str) -> Iterator[str]:
-    """Modules and what is taken from them, with their full names; ValueError for a relative import."""
+@dataclass(frozen=True)
+class Read:
+    """What a file imports, with full names, and its functions: name, first line of the body, last line."""
+
+    imports: tuple[str, ...]
+    functions: tuple[tuple[str, int, int], ...]
+
+
+@cache
+def read(code: str) -> Read:
+    """Read a file's text, once in a process; ValueError for a relative import."""
+    imports, functions = list[str](), list[tuple[str, int, int]]()
     for node in ast.walk(ast.parse(code)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            imports += (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             if node.level or node.module is None:
                 raise ValueError(f"relative import in line {node.lineno}; full names show which way it goes.")
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            imports += (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
+        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            functions.append((node.name, node.body[0].lineno, node.end_lineno or 0))
+    return Read(tuple(imports), tuple(functions))
+
+
+def imported(code: str) -> tuple[str, ...]:
+    """Modules and what is taken from them, with their full names; ValueError for a relative import."""
+    return read(code).imports
 
 
 @cache

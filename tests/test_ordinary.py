@@ -86,11 +86,14 @@ def test_none(cases: dict[str, list[str]]) -> None:
     assert ([], []) == (cases["test_none"], cases["test_slow"])
 
 
-@pytest.mark.parametrize(
-    "mark", ["thorough(3)", "thorough(ordinary=0)", "thorough(ordinary='all')", "thorough(usual=3)"]
-)
-def test_a_mark_that_is_not_understood(tmp_path_factory: pytest.TempPathFactory, mark: str) -> None:
+WRONG = ("thorough(3)", "thorough(ordinary=0)", "thorough(ordinary='all')", "thorough(usual=3)")
+
+
+def test_a_mark_that_is_not_understood(tmp_path_factory: pytest.TempPathFactory) -> None:
     """It is refused with the test that has it."""
-    items = collected(tmp_path_factory, f"import pytest\n\n@pytest.mark.{mark}\ndef test_odd(): ...\n")
-    with pytest.raises(pytest.UsageError, match="test_odd: `thorough` takes `ordinary=`"):
-        list(ordinary(items))
+    tests = [f"@pytest.mark.{mark}\ndef test_odd_{number}(): ..." for number, mark in enumerate(WRONG)]
+    found = by_test(collected(tmp_path_factory, "\n".join(["import pytest", *tests])))
+    assert len(WRONG) == len(found)
+    for number, items in enumerate(found):
+        with pytest.raises(pytest.UsageError, match=f"test_odd_{number}: `thorough` takes `ordinary=`"):
+            list(ordinary(items))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import os
 import re
 import shutil
@@ -17,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests.rooms import imported
 
 ROOT = Path(__file__).parents[1]
 TREES = {"safeloc": "safeloc", "models": "safeloc/models", "properties": "safeloc/properties"}
@@ -136,18 +137,11 @@ def test_dependencies_are_declared() -> None:
     users = [one for name, every in extras.items() if name not in ("bench", "dev") for one in every]
     named = [*project()["project"]["dependencies"], *users]
     declared = {re.split(r"[<>=~!]", one)[0] for one in named} | {"markupsafe"}
-    imported = {top for path, _ in delivered() if path.suffix == ".py" for top in _imports(path)}
-    outside = imported - set(sys.stdlib_module_names) - {"safeloc"}
+    files = [path for path, _ in delivered() if path.suffix == ".py"]
+    tops = {name.split(".")[0] for path in files for name in imported(path.read_text(encoding="utf-8"))}
+    outside = tops - set(sys.stdlib_module_names) - {"safeloc"}
     assert {distributions.get(name, name) for name in outside} <= declared
     assert {"z3", "cvc5", "hypothesis"} <= outside
-
-
-def _imports(path: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name.split(".")[0] for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            yield node.module.split(".")[0]
 
 
 # ------------------------------------------------------------------ the description of the package

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from random import Random
 
 from safeloc.codegen.compiled import Compiled, compile_system
@@ -132,10 +132,12 @@ class _Run:
         self._route = route_of(topology, scene.models)
         self._scene, self._rng, self._config = scene, rng, config
         self._map, self._world = LookUp(topology, config), TrueTrack(self._route)
-        self._board = _on_board(config.model_dump_json())
-        self._state = self._board.first()
         self._watched: tuple[str, int] | None = None
         self._error_mm = 0
+
+    @cached_property
+    def _board(self) -> Compiled:
+        return _on_board(self._config.model_dump_json())
 
     @property
     def first(self) -> dict[str, Value]:
@@ -153,7 +155,7 @@ class _Run:
     def steps(self) -> Iterator[dict[str, Cell]]:
         """Yield each cycle's inputs and ghosts."""
         vehicle = VehicleConfig(max_speed_mm_s=self._config.max_speed_mm_s)
-        before = 0
+        before, self._state = 0, self._board.first()
         for position in move(vehicle, self._scene.legs, self._config.period_ms).position_nm:
             yield self._cycle(before, int(position))
             before = int(position)

@@ -16,7 +16,8 @@ from functools import cached_property
 
 from safeloc.codegen.merge_choices import chain
 from safeloc.codegen.nested_statements import Block, Blocks, Statement, Targets, Test
-from safeloc.codegen.simplify_under_facts import Known, implied, work
+from safeloc.codegen.simplify_under_facts import Known, implied
+from safeloc.codegen.work_of_terms import Works, work
 from safeloc.language.nodes import (
     FALSE,
     TRUE,
@@ -59,8 +60,9 @@ class _Case:
         """Return the case split by a condition, and the work saved by testing it first, if both results are equally likely."""
         ways = [self._known.under(implied(condition, holds)) for holds in (True, False)]
         holds, fails = (self._folded(known) for known in ways)
-        before, after = sum(_passing(self, known) for known in ways), _passing(holds) + _passing(fails)
-        return _Decided(condition, holds, fails, (before - after) / 2 - work([condition]))
+        before = sum(self._passing_if(known) for known in ways)
+        after = sum(self._passing(one.targets) for one in (holds, fails))
+        return _Decided(condition, holds, fails, (before - after) / 2 - self.works([condition]))
 
     @cached_property
     def _known(self) -> Known:
@@ -70,13 +72,43 @@ class _Case:
             known(term)
         return known
 
+    @cached_property
+    def works(self) -> Works:
+        """The work of parts of this case, and of what is left of it under further facts."""
+        return Works()
+
     def _folded(self, known: Known) -> _Case:
         targets = [(name, known(term)) for name, term in self.targets]
-        return _Case(targets, work([term for _, term in targets]))
+        return _Case(targets, self.works(term for _, term in targets))
 
+    @cached_property
     def nodes(self) -> list[Node]:
-        """Return all nodes of the targets."""
+        """All nodes of the targets."""
         return in_order(term for _, term in self.targets)
+
+    @property
+    def passing(self) -> int:
+        """The work of a step in which no row's condition holds."""
+        return self._passing(self.targets)
+
+    def _passing(self, targets: Targets) -> int:
+        needed = 0
+        for _, term in targets:
+            needed |= self.works.usual(term)
+        return needed.bit_count()
+
+    def _passing_if(self, known: Known) -> int:
+        """Return the work of a step in which no row's condition holds, except one that is known to hold."""
+        needed, needs = 0, self.works.needs
+        for _, term in self.targets:
+            rows, last = chain(term)
+            for condition, value in rows:
+                needed |= needs(condition)
+                if _is_true(known(condition)):
+                    last = value
+                    break
+            needed |= needs(last)
+        return needed.bit_count()
 
 
 @dataclass(frozen=True)
@@ -123,7 +155,7 @@ def moves(system: TransitionSystem, targets: Targets, blocks: Blocks, longest: i
 
 def _modes(system: TransitionSystem, undivided: _Case) -> list[NumVar]:
     """Return the mode variables that the targets read, whatever their names in the system."""
-    units, read = {id(machine.mode.unit) for machine in system.machines}, set(undivided.nodes())
+    units, read = {id(machine.mode.unit) for machine in system.machines}, set(undivided.nodes)
     return [var for var in system.state if isinstance(var, NumVar) and id(var.unit) in units and var in read]
 
 
@@ -151,7 +183,7 @@ def _messages(system: TransitionSystem, undivided: _Case) -> list[Bool]:
 def _records(system: TransitionSystem, undivided: _Case) -> list[Bool]:
     """Return the conditions that a record of several fields is present, for records that cause much of the work."""
     flags = {option.present for option in system.optionals}
-    found = [node for node in undivided.nodes() if isinstance(node, Or) and flags.issuperset(node.parts)]
+    found = [node for node in undivided.nodes if isinstance(node, Or) and flags.issuperset(node.parts)]
     worth = undivided.work * (1 - _WORTH)
     return [node for node in found if undivided.under(implied(node, False)).work <= worth]
 
@@ -159,7 +191,7 @@ def _records(system: TransitionSystem, undivided: _Case) -> list[Bool]:
 def _faults(undivided: _Case) -> list[Bool]:
     """Return fault conditions: for every chain of constants that is compared with its last one, those of the earlier rows."""
     found: dict[Bool, None] = {}
-    for node in undivided.nodes():
+    for node in undivided.nodes:
         if isinstance(node, Compare) and node.op == "==" and isinstance(node.right, Lit):
             rows, last = chain(node.left)
             values = {value.value if isinstance(value, Lit) else None for _, value in rows}
@@ -170,7 +202,7 @@ def _faults(undivided: _Case) -> list[Bool]:
 
 def _guarded(undivided: _Case) -> Iterator[tuple[BoolVar, Expr]]:
     """Yield flags, each with a term that is needed only if it is true."""
-    for node in undivided.nodes():
+    for node in undivided.nodes:
         if isinstance(node, (Choose, ChooseBool)):
             condition, branch = node.condition, node.then
             if isinstance(condition, Not):
@@ -198,7 +230,7 @@ def _by_condition(undivided: _Case, blocks: Blocks, room: float, depth: int = 0)
     tried = map(undivided.decided, _cheap(undivided)) if depth < DEEPEST_CASE else ()
     decided = [one for one in tried if one.holds.work + one.fails.work <= room]
     best = max(decided, key=lambda one: one.saved, default=None)
-    if best is None or best.saved < _passing(undivided) * _WORTH:
+    if best is None or best.saved < undivided.passing * _WORTH:
         return blocks.ending(undivided.targets)
     share = room / max(1, best.holds.work + best.fails.work)
     return blocks.either(
@@ -210,18 +242,18 @@ def _by_condition(undivided: _Case, blocks: Blocks, room: float, depth: int = 0)
 
 def _cheap(undivided: _Case) -> list[Bool]:
     """Return cheap conditions on which much work depends, the most work first; fewer conditions for large machines."""
-    behind: dict[Bool, list[Expr]] = {}
+    needs, behind = undivided.works.needs, dict[Bool, int]()
     for condition, branch in _behind(undivided):
-        behind.setdefault(condition, []).append(branch)
-    worth = _passing(undivided) * _WORTH
-    found = [(work(parts), condition) for condition, parts in behind.items() if work([condition]) <= worth]
+        behind[condition] = behind.get(condition, 0) | needs(branch)
+    worth = undivided.passing * _WORTH
+    found = [(all_needed.bit_count(), one) for one, all_needed in behind.items() if needs(one).bit_count() <= worth]
     found = sorted((one for one in found if one[0] >= worth), key=lambda one: one[0], reverse=True)
-    return [condition for _, condition in found[: _MOST_LOOKED_AT // len(undivided.nodes())]]
+    return [condition for _, condition in found[: _MOST_LOOKED_AT // len(undivided.nodes)]]
 
 
 def _behind(undivided: _Case) -> Iterator[tuple[Bool, Expr]]:
     """Yield conditions, each with a term that is needed only if it holds, or only if it fails."""
-    for node in undivided.nodes():
+    for node in undivided.nodes:
         if isinstance(node, (Choose, ChooseBool)):
             condition = node.condition.inner if isinstance(node.condition, Not) else node.condition
             yield condition, node.then
@@ -230,20 +262,6 @@ def _behind(undivided: _Case) -> Iterator[tuple[Bool, Expr]]:
             for part in node.parts:
                 condition = part.inner if isinstance(part, Not) else part
                 yield from ((condition, other) for other in node.parts if other is not part)
-
-
-def _passing(case: _Case, known: Known | None = None) -> int:
-    """Return the work of a step in which no row's condition holds, except one that is known to hold."""
-    terms: list[Expr] = []
-    for _, term in case.targets:
-        rows, last = chain(term)
-        for condition, value in rows:
-            terms.append(condition)
-            if known is not None and _is_true(known(condition)):
-                last = value
-                break
-        terms.append(last)
-    return work(terms)
 
 
 def _is_true(term: Expr) -> bool:
@@ -269,7 +287,7 @@ def _tests(mode: NumVar, undivided: _Case) -> dict[Expr, int]:
     """Return the terms that compare the mode, each with the number of the mode."""
     return {
         node: node.right.value
-        for node in undivided.nodes()
+        for node in undivided.nodes
         if isinstance(node, Compare) and node.op == "==" and node.left is mode and isinstance(node.right, Lit)
     }
 

@@ -12,8 +12,9 @@ from typing import assert_never
 
 from safeloc.codegen.c99_terms import constant
 from safeloc.codegen.merge_choices import is_magnitude, merged, operations
-from safeloc.codegen.simplify_under_facts import Known, work
+from safeloc.codegen.simplify_under_facts import Known
 from safeloc.codegen.stages import Stage, at_once, stages
+from safeloc.codegen.work_of_terms import work
 from safeloc.language.expr import FALSE, BoolVar, Expr, Lit, Num, NumVar, Var
 from safeloc.language.nodes import (
     Add,

@@ -18,6 +18,7 @@ from safeloc.language.nodes import (
     Add,
     And,
     Bool,
+    BoolVar,
     Choose,
     ChooseBool,
     Compare,
@@ -30,6 +31,7 @@ from safeloc.language.nodes import (
     Node,
     Not,
     Num,
+    NumVar,
     Or,
     Past,
     Sub,
@@ -41,6 +43,7 @@ from safeloc.language.terms import CHILDREN, children, rebuilt
 from safeloc.language.units import Enumeration
 
 _MOST_VALUES = 16
+_UNKNOWN: frozenset[int] = frozenset()
 _FOLDS: dict[type[Expr], Callable[[int, int], int]] = {
     Add: lambda a, b: a + b,
     Sub: lambda a, b: a - b,
@@ -116,8 +119,7 @@ class Known:
                 continue
             kind = type(node)
             parts = self._branches(node) if kind is Choose or kind is ChooseBool else below[kind](node)
-            waits = [part for part in parts if part not in done]
-            if waits:
+            if waits := [part for part in parts if part not in done]:
                 stack += waits
                 continue
             stack.pop()
@@ -130,7 +132,7 @@ class Known:
         condition = self._done.get(node.condition)
         if condition is None:
             return (node.condition,)
-        if isinstance(condition, Truth):
+        if type(condition) is Truth:
             return (node.then if condition.value else node.other,)
         return (node.then, node.other)
 
@@ -139,6 +141,8 @@ class Known:
         match node:
             case Choose() | ChooseBool():
                 return self._choice(node)
+            case Lit() | NumVar() | Truth() | BoolVar():
+                return node
             case And(parts):
                 return _joined(node, [self._done[part] for part in parts], all_of)
             case Or(parts):
@@ -154,15 +158,17 @@ class Known:
                 return rebuilt(node, tuple(self._done[part] for part in children(node)))
 
     def _choice(self, node: Choose | ChooseBool) -> Expr:
-        condition = self._done[node.condition]
-        if isinstance(condition, Truth):
-            return self._done[node.then if condition.value else node.other]
-        then, other = self._done[node.then], self._done[node.other]
+        done = self._done
+        condition = done[node.condition]
+        if type(condition) is Truth:
+            return done[node.then if condition.value else node.other]
+        then, other = done[node.then], done[node.other]
         if _same(then, other):
             return then
-        chosen = rebuilt(node, (condition, then, other))
-        values = self._values(then) | self._values(other)
-        if self._values(then) and self._values(other) and len(values) <= _MOST_VALUES:
+        chosen: Expr = node
+        if condition is not node.condition or then is not node.then or other is not node.other:
+            chosen = rebuilt(node, (condition, then, other))
+        if (one := self._values(then)) and (two := self._values(other)) and len(values := one | two) <= _MOST_VALUES:
             self._among[chosen] = values
         return chosen
 
@@ -177,7 +183,7 @@ class Known:
 
     def _values(self, term: Expr) -> frozenset[int]:
         """Return the possible values of a term that is always one of a few constants; empty if unknown."""
-        return frozenset((term.value,)) if isinstance(term, Lit) else self._among.get(term, frozenset())
+        return frozenset((term.value,)) if type(term) is Lit else self._among.get(term, _UNKNOWN)
 
     def _comparison(self, node: Compare, left: Expr, right: Expr) -> Expr:
         assert isinstance(left, Num)
@@ -230,9 +236,9 @@ def _truth(op: str, left: int, right: int) -> Bool:
 
 
 def _same(one: Expr, two: Expr) -> bool:
-    if isinstance(one, (Lit, Truth)) and isinstance(two, (Lit, Truth)):
-        return one.value == two.value
-    return one is two
+    if one is two:
+        return True
+    return isinstance(one, (Lit, Truth)) and isinstance(two, (Lit, Truth)) and one.value == two.value
 
 
 def _joined(node: Expr, parts: list[Expr], join: Callable[[Sequence[Bool]], Bool]) -> Expr:
@@ -263,22 +269,3 @@ def implied(condition: Bool, holds: bool) -> dict[Expr, Expr]:
         for part in condition.parts:
             known |= implied(part, holds)
     return known
-
-
-def work(terms: Sequence[Expr]) -> int:
-    """Return the work to compute the terms: one for each operation and for each condition, however many choices use it."""
-    seen, conditions, operations = set[Expr](), set[Expr](), 0
-    left, below = [*terms], CHILDREN
-    while left:
-        node = left.pop()
-        if node in seen:
-            continue
-        seen.add(node)
-        kind = type(node)
-        parts = below[kind](node)
-        left += parts
-        if kind is Choose or kind is ChooseBool:
-            conditions.add(parts[0])
-        elif parts:
-            operations += 1
-    return operations + len(conditions)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from safeloc.codegen.simplify_under_facts import Known, implied, work
+from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.language.expr import abs_, boolean, choice, enumeration, floor_div, ite, maximum, members, minimum, number
 from safeloc.language.interpret import evaluate, read_inputs, start
 from safeloc.language.nodes import FALSE, TRUE, Bool, ChooseBool, Compare, Expr, Lit, Num, Value, Var
@@ -128,9 +128,3 @@ def test_a_condition_can_be_known_as_well() -> None:
     red = colour.eq(RED)
     assert isinstance(red, Compare)
     assert Known({red: TRUE})(ite(red, X, Y)) is X
-
-
-def test_work_counts_operations_and_conditions_once() -> None:
-    """Two sums, and one condition that chooses twice."""
-    moved = X + Y
-    assert work([ite(A, moved, X), ite(A, moved - 1, Y)]) == 3

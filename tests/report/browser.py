@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -116,16 +117,16 @@ _LAID_OUT = """(() => {
 })()"""
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Page]:
-    """The browser of the tests of a module."""
+@contextmanager
+def chromium() -> Iterator[Page]:
+    """Start the browser, and quit it in the end; skip the test where it is missing."""
     selenium = pytest.importorskip("selenium.webdriver", reason="selenium is not installed; it is in the extra dev")
     pytest.importorskip("axe_core_python", reason="axe-core-python is not installed; it is in the extra dev")
-    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if chromium is None or driver is None:
+    program, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if program is None or driver is None:
         pytest.skip("chromium and chromedriver are not installed; Debian's packages are chromium and chromium-driver")
     options = selenium.ChromeOptions()
-    options.binary_location = chromium
+    options.binary_location = program
     for option in ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-sync"):
         options.add_argument(option)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
@@ -135,14 +136,6 @@ def browser() -> Iterator[Page]:
         yield Page(started)
     finally:
         started.quit()
-
-
-@pytest.fixture
-def page(browser: Page) -> Page:
-    """The browser, by day and at a desk."""
-    browser.dark(False)
-    browser.size(*DESK)
-    return browser
 
 
 def runs_of(report: Path) -> Path:

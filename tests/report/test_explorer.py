@@ -31,14 +31,11 @@ from tests.report.browser import (
     RIGHT,
     SHIFT,
     Page,
-    browser,
     opened,
-    page,
     runs_of,
 )
 from tests.report.test_page import door, findings
 
-__all__ = ["browser", "page"]  # fixtures
 WRONG = "#result=door%2Fproperty%2Fbad+%3Cb%3E"
 
 

@@ -29,9 +29,8 @@ from safeloc.runtime.scripts import read_script
 from safeloc.runtime.streams.steps import read_steps, write_steps
 from safeloc.target import Target
 from tests.report import keeper, tandem
-from tests.report.browser import DESK, ENTER, PHONE, RIGHT, Page, browser, opened, page
+from tests.report.browser import DESK, ENTER, PHONE, RIGHT, Page, opened
 
-__all__ = ["browser", "page"]  # fixtures
 NARROW_SPACE, FIXED_SPACE = "\u202f", "\xa0"
 
 

@@ -18,10 +18,9 @@ from safeloc.proof.results import Finding
 from safeloc.report.folder import write_folder
 from safeloc.report.recordings_page import recordings_page
 from safeloc.runtime.streams.steps import write_steps
-from tests.report.browser import ENTER, Page, browser, opened, page, runs_of
+from tests.report.browser import ENTER, Page, opened, runs_of
 from tests.report.test_page import DOOR
 
-__all__ = ["browser", "page"]  # fixtures
 EVIL = "\"'><script>window.acted = 1</script><img src=x onerror='window.acted = 2'>"
 
 

@@ -11,11 +11,10 @@ from safeloc.catalogue import load_target
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
 from tests.report import lamp
-from tests.report.browser import Page, browser, page
+from tests.report.browser import Page
 from tests.report.test_browser import BROWSER
 from tests.report.test_page import door, findings
 
-__all__ = ["browser", "page"]
 pytestmark = pytest.mark.slow
 UNSEEN = "[...document.querySelectorAll('main > *')].filter(one => one.offsetParent === null).map(one => one.dataset.machine ?? '')"
 

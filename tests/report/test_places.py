@@ -12,11 +12,10 @@ from safeloc.language.verdict import Held
 from safeloc.proof.results import Finding
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
-from tests.report.browser import ENTER, ESCAPE, Page, browser, opened, page
+from tests.report.browser import ENTER, ESCAPE, Page, opened
 from tests.report.test_page import door, findings
 from tests.report.test_paper import on_paper
 
-__all__ = ["browser", "page"]
 pytestmark = pytest.mark.slow
 UNKNOWN = """[...document.querySelectorAll('main a[href^="#"]')].map(a => a.hash.slice(1)).filter(id => !document.getElementById(id))"""
 WIDER = "[...document.querySelectorAll('main table')].filter(t => t.offsetParent && t.getBoundingClientRect().right > 1032).map(t => t.textContent.slice(0, 40))"

@@ -8,10 +8,9 @@ import pytest
 
 from safeloc.report import page as page_module
 from safeloc.report.folder import write_folder
-from tests.report.browser import DESK, PHONE, RIGHT, Page, browser, opened, page, runs_of
+from tests.report.browser import DESK, PHONE, RIGHT, Page, opened, runs_of
 from tests.report.test_page import door, findings
 
-__all__ = ["browser", "page"]  # fixtures
 WIDE = "[...document.querySelectorAll('.scroll, pre')].filter(e => e.checkVisibility({contentVisibilityAuto: true}) && e.scrollWidth > e.clientWidth + 1)"
 
 

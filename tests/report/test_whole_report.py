@@ -10,9 +10,8 @@ from safeloc.catalogue import ENTRIES, load_target
 from safeloc.language.verdict import NotAsked
 from safeloc.proof.results import Finding
 from safeloc.report.folder import write_folder
-from tests.report.browser import Page, browser, page
+from tests.report.browser import Page
 
-__all__ = ["browser", "page"]  # fixtures
 pytestmark = pytest.mark.slow
 LARGEST = ("localizer", "conditions")
 

@@ -191,7 +191,10 @@ def test_a_program_is_shared() -> None:
     assert Program(trusting().target).fingerprint == trusting().fingerprint != shipped("balise").fingerprint
 
 
-@given(st.dictionaries(st.text(max_size=8), st.recursive(st.none() | st.integers() | st.text(max_size=5), st.lists)))
+LEAVES = st.none() | st.integers() | st.text(max_size=5)
+
+
+@given(st.dictionaries(st.text(max_size=8), st.recursive(LEAVES, st.lists, max_leaves=8)))
 def test_a_snapshot_is_its_content_in_order(content: dict[str, Any]) -> None:
     """One object with sorted names and its checksum, whether a field's text was made before or not."""
     fields = {name: value for name, value in content.items() if name not in ("kind", "version", "checksum")}

@@ -23,7 +23,6 @@ from tests.data.door_controller import machine as door
 from tests.runtime.embedding.driving import distances, drive, trusting
 from tests.runtime.service.processes import Data, line, lines, numbered, reports
 
-ODOMETRY = trusting()
 HERE = "here"
 
 
@@ -31,7 +30,7 @@ class Told:
     """A fleet that is told lines, with its answers."""
 
     def __init__(self, fleet: Fleet | None = None, *, from_start: bool = True) -> None:
-        self.fleet = fleet or Fleet(ODOMETRY, FleetSettings(100))
+        self.fleet = fleet or Fleet(trusting(), FleetSettings(100))
         self.from_start, self.number = from_start, 0
 
     def say(self, *texts: str, origin: str = HERE, only: str | None = None) -> list[Data]:
@@ -52,7 +51,7 @@ def end(time_ms: int, **envelope: object) -> str:
 
 def by_hand(cycles: int) -> list[Data]:
     """Reports of a controller that was given the drive."""
-    controller = Controller(ODOMETRY)
+    controller = Controller(trusting())
     return [{"vehicle": "1", **controller.step(records).as_data()} for records in drive(cycles)]
 
 
@@ -91,7 +90,7 @@ def test_vehicles_are_told_apart() -> None:
 def test_a_vehicle_has_its_own_configuration() -> None:
     """Only it: one that does not believe its first marker has no place where another one has."""
     careful = Program(ENTRIES["odometry"].make(OdometryConfig()))
-    told = Told(Fleet(ODOMETRY, FleetSettings(100), {"careful": careful}))
+    told = Told(Fleet(trusting(), FleetSettings(100), {"careful": careful}))
     places = {name: told.say(*numbered(3, name))[-1]["interval_mm"] for name in ("careful", "other")}
     assert places["careful"] is None
     assert places["other"] is not None
@@ -99,7 +98,7 @@ def test_a_vehicle_has_its_own_configuration() -> None:
 
 def test_silence_adds_error_cycle_by_cycle() -> None:
     """A gap in time is so many steps without inputs."""
-    told, controller = Told(), Controller(ODOMETRY)
+    told, controller = Told(), Controller(trusting())
     told.say(*lines(3))
     answers = told.say(line(distances(700)[0]))
     for records in drive(3):
@@ -136,7 +135,7 @@ def test_within_a_cycle_doubt_stays_there() -> None:
 
 def test_a_doubtful_cycle_is_an_empty_one() -> None:
     """Its step is that of a cycle in which nothing came."""
-    told, empty = Told(), Controller(ODOMETRY)
+    told, empty = Told(), Controller(trusting())
     told.say(*lines(4), end(400))
     for records in drive(4):
         empty.step(records)
@@ -275,7 +274,7 @@ def test_a_peer_that_left() -> None:
 
 def test_vehicles_are_bounded() -> None:
     """A sender that invents vehicles is refused."""
-    told = Told(Fleet(ODOMETRY, FleetSettings(100, most_vehicles=2)))
+    told = Told(Fleet(trusting(), FleetSettings(100, most_vehicles=2)))
     answers = [answer for name in "abc" for answer in told.say(*lines(1, vehicle=name))]
     assert {answer["reason"] for answer in answers} == {"2 vehicles already"}
     assert {answer["vehicle"] for answer in answers} == {"c"}
@@ -301,7 +300,7 @@ def test_a_machine_that_cannot_go_on_stops_its_vehicle() -> None:
 
 def steps() -> Told:
     """Lines are inputs."""
-    return Told(Fleet(ODOMETRY, FleetSettings(100, inputs=True)))
+    return Told(Fleet(trusting(), FleetSettings(100, inputs=True)))
 
 
 def inputs(records: list[Any]) -> Data:
@@ -435,7 +434,7 @@ def test_a_wrong_number_does_not_mute_a_vehicle(wrong: int, restarted: bool) -> 
     told.say(json.dumps({"number": wrong, "kind": "cycle", "time_ms": 250}))
     if restarted:
         kept = json.loads(json.dumps(told.fleet.freeze()()))
-        told.fleet = Fleet(ODOMETRY, FleetSettings(100))
+        told.fleet = Fleet(trusting(), FleetSettings(100))
         told.fleet.restore(kept)
     answers = told.say(*made[11:])
     refused = [one for one in answers if one.get("event") == "refused"]
@@ -527,7 +526,7 @@ class Clock:
 def crowd(**ways: Any) -> tuple[Told, Clock]:
     """A fleet with little room."""
     clock = Clock()
-    return Told(Fleet(ODOMETRY, FleetSettings(100, **ways), clock=clock), from_start=False), clock
+    return Told(Fleet(trusting(), FleetSettings(100, **ways), clock=clock), from_start=False), clock
 
 
 def test_names_that_nobody_uses_any_more_make_room() -> None:
@@ -653,7 +652,7 @@ FIELDS = st.fixed_dictionaries(
 @settings(max_examples=2 * settings.default.max_examples)
 def test_no_line_breaks_the_process(said: list[str | bytes], by_steps: bool) -> None:
     """Whatever the bytes: an answer or none, never an exception, and a drive that follows is heard."""
-    told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=by_steps)))
+    told = Told(Fleet(trusting(), FleetSettings(100, inputs=by_steps)))
     for number, text in enumerate(said, 1):
         data = text if isinstance(text, bytes) else text.encode()
         answers = told.fleet.handle(HERE, Line(number, data), from_start=True)
@@ -724,7 +723,7 @@ def test_a_certificate_speaks_for_its_own_vehicle_only(text: str, name: str) -> 
 def test_a_stream_without_a_name_is_of_vehicle_1() -> None:
     """Its header says so as its lines do, so only that vehicle's certificate may say it."""
     header = '{"schema": "' + SCHEMA + '", "kept": ["front_wheel_mm"]}'
-    told = Told(Fleet(ODOMETRY, FleetSettings(100, inputs=True)), from_start=False)
+    told = Told(Fleet(trusting(), FleetSettings(100, inputs=True)), from_start=False)
     (refused,) = told.say(header, origin="12", only="12")
     assert refused["reason"] == NOT_ITS_OWN.format("1")
     assert told.fleet.vehicles == {}

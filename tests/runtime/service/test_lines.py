@@ -17,7 +17,6 @@ from safeloc.runtime.service.messages import CycleEnd, Envelope, Header, Message
 from safeloc.runtime.streams.records import DistanceRecord, Unusable
 from tests.runtime.embedding.driving import trusting
 
-ODOMETRY = trusting()
 WHEEL = {"kind": "distance", "time_ms": 100, "end": "front", "unit": "wheel", "distance_mm": 5}
 
 
@@ -50,7 +49,7 @@ def test_a_long_line_is_told_and_not_kept(part: int) -> None:
 
 def reader(*, inputs: bool = False, numbered: bool = False) -> Reader:
     """Of odometry."""
-    return Reader(ODOMETRY, {}, inputs=inputs, numbered=numbered, first={})
+    return Reader(trusting(), {}, inputs=inputs, numbered=numbered, first={})
 
 
 def said(text: str | bytes | dict[str, Any], **kind: bool) -> Message:

@@ -20,8 +20,8 @@ from safeloc.runtime.service.by_steps import StepsVehicle
 from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.lines import Line, LineCutter
 from safeloc.runtime.service.vehicle import Output
-from tests.runtime.embedding.driving import STEP_MM, drive
-from tests.runtime.service.test_fleet import ODOMETRY, inputs
+from tests.runtime.embedding.driving import STEP_MM, drive, trusting
+from tests.runtime.service.test_fleet import inputs
 
 CYCLES = 120
 Spoil = Callable[[list[bytes], int, random.Random], None]
@@ -141,7 +141,7 @@ class Run:
         self.reports = self.places = 0
 
     def _fleet(self) -> Fleet:
-        return Fleet(ODOMETRY, FleetSettings(100, inputs=self.by_steps))
+        return Fleet(trusting(), FleetSettings(100, inputs=self.by_steps))
 
     def hear(self, line: Line) -> list[dict[str, Any]]:
         """One line, and what is told."""

@@ -38,7 +38,7 @@ WAVE = (SectionPlace(id="S1", from_mm=900_000, to_mm=960_000, effect="raises"),)
 
 
 @cache
-def plain_run(speed: float = 40.0) -> Outcomes:
+def plain_run(speed: float) -> Outcomes:
     """Five coaches along the fibre, 30 s."""
     return tuple(seen(world(coaches(5, 200 if speed > 0 else 1_800, speed)), 80))
 
@@ -71,7 +71,7 @@ def test_front_and_rear_follow_the_direction() -> None:
 @pytest.mark.thorough
 def test_times_of_flight_grow_as_the_train_goes_away() -> None:
     """And lie within the fibre's two-way time: 9.79 ns a metre."""
-    ends = [train.high for _, train in told(plain_run()) if train.high is not None]
+    ends = [train.high for _, train in told(plain_run(40.0)) if train.high is not None]
     flights = [(end.time_of_flight_ps.low + end.time_of_flight_ps.high) / 2 for end in ends]
     assert all(later > before for before, later in pairwise(flights))
     for end in ends:
@@ -80,7 +80,7 @@ def test_times_of_flight_grow_as_the_train_goes_away() -> None:
 
 def test_clusters_of_axles_are_counted() -> None:
     """Five coaches: six clusters, and by then surely."""
-    counts = [train.count for _, train in told(plain_run()) if train.count is not None]
+    counts = [train.count for _, train in told(plain_run(40.0)) if train.count is not None]
     assert (6, True) == (counts[-1].clusters, counts[-1].confident)
 
 
