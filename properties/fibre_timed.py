@@ -24,7 +24,6 @@ from safeloc.models.fibre_timed.additional import (
 )
 from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.properties import fibre, time_of_flight
-from safeloc.properties.fibre.seen import Seen, followed
 
 LAW = f"{fibre.place.LAW}; {time_of_flight.LAW}; both are those of one end of a train"
 _OF_THE_FLIGHT = (
@@ -44,8 +43,10 @@ _OF_THE_SECTIONS = (
     "F is latched",
     "F reports nothing",
     "count agrees with the truth",
+    "a position signal is reported as one",
+    "an end in a section is reported",
 )
-"""Claimed of the sections alone, for whatever place is compared."""
+"""Claimed of the sections alone, for whatever place is compared; by the last two an observer knows which place was compared with an edge."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
@@ -58,7 +59,6 @@ def properties(whole: FibreTimed) -> list[Property]:
         *_handed(whole),
         *_differs(whole),
         *_kept(whole),
-        *_told(whole),
         *_reached(whole),
     ]
 
@@ -221,25 +221,6 @@ def _kept(whole: FibreTimed) -> Iterator[Property]:
         for name in names:
             kept = whole.composition.inherited(machine, found[name])
             yield replace(kept, requirements=tuple(dict.fromkeys((*REQUIREMENTS, *kept.requirements))))
-
-
-def _told(whole: FibreTimed) -> Iterator[Property]:
-    """Claim what the sections tell of signal and amplitude in a cycle; with it an observer knows which place was compared with an edge."""
-    machine, seen = whole.sections.machine, Seen(whole.sections.own)
-    told = (
-        for_all_inputs(
-            "a position signal is reported as one",
-            machine.flag("position_signal").iff(machine.output("section_event").eq(v.POSITION_SIGNAL)),
-            statement="a position signal is reported in the cycle of its event, and in no other",
-        ),
-        for_all_inputs(
-            "an end in a section is reported",
-            followed(machine).implies(machine.flag("in_section").iff(~seen.normal)),
-            statement="while sections are followed, the end is reported in a section exactly while its amplitude is not normal",
-        ),
-    )
-    for claim in told:
-        yield whole.composition.inherited(machine, claim)
 
 
 def _reached(whole: FibreTimed) -> Iterator[Property]:

@@ -7,6 +7,7 @@ from functools import partial
 
 from safeloc.models import counted_entry
 from safeloc.models.counted_entry import NAME, CountedEntryConfig
+from safeloc.models.counted_entry.configurations import CONFIGURATIONS
 from safeloc.models.counted_entry.simulate import simulate
 from safeloc.properties import axle_counter as counter_claims
 from safeloc.properties import counted_entry as claims
@@ -48,6 +49,7 @@ ENTRIES = (
         simulates=True,
         members=("axle_counter", "train", "verification_doubted"),
         pairs_of=("axle_counter", "verification_doubted"),
+        configurations=CONFIGURATIONS,
         no_interval="Its position may miss the true one as far as `place_doubt_mm`, since nothing is assumed of the fibre.",
         hazard=Hazard(
             "a position is farther from the true one than the reported doubt, or is given for a train that was counted otherwise",

@@ -19,12 +19,14 @@ DRIFT = "the localizer's odometer is one that balises and reflectors take: it do
 NEVER = {
     "models/localizer/__init__.py: only_own": "without the sources that ship only where a source of a user's own is proved (--source)",
     "models/motion/world.py: as_num(0, NM).eq(0) from initially(own.around)": "true, where no unit is checked",
-    "models/motion/world.py: between(-farthest, seen.true_cycle_distance, farthest) from _vehicle_laws(own)": "the choice has this "
+    "models/vocabulary/vehicle_world.py: between(-farthest_nm, ran, farthest_nm) from speed_law(seen.true_cycle_distance, farthest)": "the choice has this "
     "range; the clause names it for the register of assumptions",
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.mea"
     "sured.value), as_num(0, MS), ...": DRIFT,
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.odometer.law.growth_nm(abs_("
     "self.distance), as_num(0, M ...": DRIFT,
+    "properties/localizer_heard.py: reason.eq(NO_REFERENCE) from _told(source, into, said, machine)": "the fibre's wire is this reason, as it "
+    "should be; the claim is there for another one",
 }
 """Case splits that no configuration makes live, and why."""
 CONFIGURATIONS = Configurations(

@@ -26,7 +26,7 @@ NEVER = {
     "models/odometry/variables.py: length is not None": "a vehicle whose length is an input belongs to the marker field: tests/theorems/odometry/marker_field.py, proved by tests/models",
     "models/odometry/world.py: own.length is None": "a vehicle whose length is an input belongs to the marker field: tests/theorems/odometry/marker_field.py, proved by tests/models",
     "models/vocabulary/vehicle_world.py: between(-farthest_nm, ran, farthest_nm) from speed_law(seen.true_cycle_distance, farthest)": "the choice has this range; the clause names it for the register of assumptions",
-    "models/odometry/world.py: own.ghosts.faulty_unit is None or own.config.single_fault_safe": "a world with a fault that may hide is no shipped target: tests/models/test_odometry_faults.py proves it",
+    "models/odometry/world.py: own.ghosts.faulty_unit is None or own.config.single_fault_sa ...": "a world with a fault that may hide is no shipped target: tests/models/test_odometry_faults.py proves it",
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from unit.law.portion(share_ppm).growth_nm(self.reach, self.age,  ...": "the law of a part of a cycle has no drift (ErrorLaw.portion)",
     "models/vocabulary/interval.py: self.above + both_sides_nm from self.widened(self.unseen_nm)": "a position of satellites is of the cycle's end: nothing was run since",
     "models/vocabulary/interval.py: self.below + both_sides_nm from self.widened(self.unseen_nm)": "a position of satellites is of the cycle's end: nothing was run since",
@@ -45,6 +45,9 @@ CONFIGURATIONS = Configurations(
             devices=1, first_unit=ACCELEROMETER, second_unit=EDDY_CURRENT
         ),
         "positions of satellites serve as markers": OdometryConfig(satellite_markers=True),
+        "satellites, the second unit drifts": OdometryConfig(
+            first_unit=EDDY_CURRENT, second_unit=ACCELEROMETER, satellite_markers=True
+        ),
         "satellites, units that drift, one device, the first reference is believed": OdometryConfig(
             devices=1,
             first_unit=EDDY_CURRENT,

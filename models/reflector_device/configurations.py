@@ -16,7 +16,7 @@ _IDENTITIES = BaliseConfig().last_group_identity
 _DRIFT = "the odometer is one that balises and reflectors take: it does not drift"
 NEVER = {
     "models/motion/world.py: as_num(0, NM).eq(0) from initially(own.around)": "true, where no unit is checked",
-    "models/motion/world.py: between(-farthest, seen.true_cycle_distance, farthest) from _vehicle_laws(own)": "the choice has this "
+    "models/vocabulary/vehicle_world.py: between(-farthest_nm, ran, farthest_nm) from speed_law(seen.true_cycle_distance, farthest)": "the choice has this "
     "range; the clause names it for the register of assumptions",
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.mea"
     "sured.value), as_num(0, MS), ...": _DRIFT,

@@ -7,16 +7,17 @@ from collections.abc import Iterator
 from safeloc.language.spec import Property, reachable
 from safeloc.models.fibre import CHECKED, COUNTS, SEEN, Fibre
 from safeloc.models.fibre import variables as v
-from safeloc.properties.fibre import code, counting, error, place
+from safeloc.properties.fibre import code, counting, error, place, told
 
 
 def properties(model: Fibre) -> list[Property]:
-    """Return the properties of containment, counting, the code, and the error signal."""
+    """Return the properties of containment, counting, the code, the error signal, and of what is reported of sections."""
     return [
         *place.properties(model),
         *counting.properties(model),
         *code.properties(model),
         *error.properties(model),
+        *told.properties(model),
         *_reached(model),
     ]
 

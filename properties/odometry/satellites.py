@@ -168,19 +168,23 @@ def _meets(model: Odometry, given: SatelliteReader) -> Bool:
     """The position's interval meets what some unit said before the cycle, widened by more than a cycle can run and add.
 
     A cycle runs at most at top speed, and adds no more than the difference of two such runs, a run's worth of error and both
-    one-off constants. Where a unit drifts, its law explains ever more with its age: that adds the drift of a cycle, or lets the
-    difference of the units count for one run more. Margins of a device that is safe against a single fault hold that drift already.
+    one-off constants. Where a unit drifts, its law explains ever more with the age of its device: that adds the drift of a cycle,
+    to the other unit too while that measures nothing, or lets the difference of the units count for one run more. Margins of a
+    device that is safe against a single fault hold that drift already.
     """
     config = model.own.config
     run_mm = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     wider_mm = 4 * run_mm + config.first_unit.constant_mm + config.second_unit.constant_mm
     drift = max(config.first_unit.drift_mm_s2, config.second_unit.drift_mm_s2)
-    wider: Num = as_num(wider_mm * NM_PER_MM, NM)
-    if drift and not config.single_fault_safe:
-        age = earlier_num(model.own.devices[0].age) + config.period_ms
-        wider = wider + run_mm * NM_PER_MM + with_unit(age * (drift * config.period_ms), NM)
     low, high = (exact_to(place, NM) for place in (given.place.value - given.below, given.place.value + given.above))
-    return any_of(_overlaps(unit, low - wider, high + wider) for unit in model.own.units)
+    met = list[Bool]()
+    for device in model.own.devices:
+        wider: Num = as_num(wider_mm * NM_PER_MM, NM)
+        if drift and not config.single_fault_safe:
+            age = earlier_num(device.age) + config.period_ms
+            wider = wider + run_mm * NM_PER_MM + with_unit(age * (drift * config.period_ms), NM)
+        met += [_overlaps(unit, low - wider, high + wider) for unit in device.units]
+    return any_of(met)
 
 
 def _overlaps(unit: Unit, low: Num, high: Num) -> Bool:

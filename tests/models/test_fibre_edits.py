@@ -10,9 +10,11 @@ from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, as_num, ceil_to,
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
+from safeloc.models import fibre
 from safeloc.models.fibre import FibreConfig, build, parts
 from safeloc.models.fibre import variables as v
 from safeloc.models.fibre.cycle import Cycle
+from safeloc.models.fibre.variables import Parts
 from safeloc.properties.fibre import properties
 from tests.models.edited_terms import edited, keeps
 
@@ -110,3 +112,35 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     assert keeps(made(), claim)
     edited(monkeypatch, Cycle, name, wrong)
     assert not keeps(made(), claim)
+
+
+OUTPUTS: dict[str, tuple[str, Callable[[Parts], Bool], tuple[str, ...]]] = {
+    "every event is a signal": (
+        "position_signal", lambda own: own.event.ne(v.NO_SIGNAL),
+        ("a position signal is reported as one", "a signal is reported at an edge alone")),
+    "a section passed is the signal": (
+        "position_signal", lambda own: own.event.eq(v.PASSED),
+        ("an edge that begins a section is reported as a signal", "a signal is reported at an edge alone")),
+    "no signal is reported": (
+        "position_signal", lambda _: FALSE, ("an edge that begins a section is reported as a signal",)),
+    "a damped section is not reported": (
+        "in_section", lambda own: own.band.eq(v.RAISED),
+        ("an end in a section is reported", "a section is reported from its first edge to its last")),
+    "a section is reported beside it": (
+        "in_section", lambda own: own.band.ne(v.LOWERED),
+        ("an end in a section is reported", "a section is reported from its first edge to its last")),
+    "a section is reported while it is followed alone": (
+        "in_section", lambda own: own.band.ne(v.NORMAL) & own.counted,
+        ("a section is reported from its first edge to its last",)),
+}  # fmt: skip
+
+
+@pytest.mark.thorough(ordinary=2)
+@pytest.mark.parametrize("edit", OUTPUTS)
+def test_a_wrong_output_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
+    """What is reported of signal and section is claimed by inputs and world, not by the machine's own event and band."""
+    name, wrong, claims = OUTPUTS[edit]
+    right = fibre._outputs
+    assert [] == [claim for claim in claims if not keeps(made(), claim)]
+    monkeypatch.setattr(fibre, "_outputs", lambda own, *rest: {**right(own, *rest), name: wrong(own)})
+    assert [] == [claim for claim in claims if keeps(made(), claim)]

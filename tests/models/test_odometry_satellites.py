@@ -10,9 +10,11 @@ import pytest
 
 from safeloc.language.expr import FALSE, TRUE, Bool, as_num, ite
 from safeloc.language.interpret import run
-from safeloc.language.system import lower
+from safeloc.language.monitor import check_all
+from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import NM
+from safeloc.language.verdict import Held
 from safeloc.models import odometry
 from safeloc.models.odometry import cycle
 from safeloc.models.odometry.cycle import Judgement
@@ -22,6 +24,7 @@ from safeloc.models.odometry.simulate import NO_SATELLITES, simulate
 from safeloc.models.odometry.variables import OdometryConfig, Parts, parts
 from safeloc.models.odometry.world import SATELLITES
 from safeloc.models.vocabulary.error_law import ACCELEROMETER, EDDY_CURRENT
+from safeloc.properties.odometry import properties
 from tests.models.test_odometry import PLAIN, label, marker, on_board, step
 from tests.models.test_odometry_wrong_edits import refuted
 
@@ -299,3 +302,41 @@ def test_a_position_outside_sets_nothing_where_a_unit_drifts(monkeypatch: Patch)
     assert refuted(odometry.build(parts(DRIFTING)), outside) == set()
     monkeypatch.setattr(Fix, "fits", lambda *_: TRUE)
     assert refuted(odometry.build(parts(DRIFTING)), outside)
+
+
+OLD_REAR = OdometryConfig(
+    first_unit=EDDY_CURRENT,
+    second_unit=ACCELEROMETER.model_copy(update={"drift_mm_s2": 1_000}),
+    satellite_markers=True,
+    trust_first_marker=True,
+    period_ms=1_000,
+    max_speed_mm_s=1_000,
+    measuring_step_mm=0,
+    reader_latency_ms=0,
+    vehicle_length_mm=0,
+    vehicle_length_tolerance_mm=0,
+)
+"""One second a cycle, 1 m/s, and an accelerometer of 1 m/s2: the drift of an old device shows after a few cycles."""
+
+
+def test_the_device_that_is_meant_has_its_own_age() -> None:
+    """The front device has failed, the rear one is 20 s old: a lone distance of its accelerometer explains 20 m, and the claim allows for them."""
+    rear = ("rear_eddy_current_mm", "rear_accelerometer_mm")
+    still = dict.fromkeys((*rear, "front_eddy_current_mm", "front_accelerometer_mm"), 0)
+    alone = dict.fromkeys(rear, 0)
+    stream = [
+        {**still, **marker("front", 1, 0)},
+        {**still, **marker("rear", 1, 0)},
+        *([alone] * 18),
+        {"rear_accelerometer_mm": 0, **satellites(20_000, 0)},
+    ]
+    model = odometry.build(parts(OLD_REAR))
+    trace = run(without_ghosts(lower(model.machine)), [{**NO_SATELLITES, **one} for one in stream])
+    before, after = trace.steps[-2], trace.steps[-1]
+    assert ("REAR", "ACCEPTED") == (label(trace, "mode", -2), label(trace, "satellite_reading"))
+    assert (False, 0, 20_000) == (
+        before.state["front_eddy_current_alive"], before.state["front_age_ms"], after.outputs["position_mm"],
+    )  # fmt: skip
+    outside = "a position of satellites that is outside sets nothing"
+    claim = next(one for one in properties(model) if one.name == outside)
+    assert isinstance(check_all(trace, [claim])[0], Held)

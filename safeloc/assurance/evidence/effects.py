@@ -141,6 +141,7 @@ def _with_longer_runs(
             trace = run_that_goes_on(goal, begun, limits)
             if trace is not None:
                 runs[prop.name] = _run(trace)
+                begun.append(_recording(runs[prop.name]))
                 lost = {**found.lost, prop.name: len(trace.steps)}
                 found = replace(found, lost=lost, open_=tuple(name for name in found.open_ if name != prop.name))
     return found
@@ -179,9 +180,12 @@ def _ended(found: Effect, target: Target, system: TransitionSystem, top: Propert
     verdict = prove_one(observe(system, top), limits)
     if isinstance(verdict, Proved):
         return replace(found, end="contained")
-    if not isinstance(verdict, Violated) or verdict.trace is None:
+    trace = verdict.trace if isinstance(verdict, Violated) else None
+    if trace is None:  # a bounded search from the first states may not come as far as a known run
+        trace = run_that_goes_on(observe(system, top), known_runs(target), limits)
+    if trace is None:
         return replace(found, end="undecided")
-    run, wrong_for = _run(verdict.trace), 0
+    run, wrong_for = _run(trace), 0
     begun = [run]
     for cycles in CYCLES:
         wrong_for = _prolonged(target, system, begun, (wrong_for, cycles), limits)

@@ -57,6 +57,7 @@ def test_the_train_of_a_record_stays_the_same_by_the_wires() -> None:
         ("arbitration", "arbitration/A5", {"containment"}, "wrong"),
         ("satellite_drift", "satellite/position/A1", {"common drift is bounded"}, "wrong"),
         ("satellite_drift", "satellite_drift/position/A6", {"common drift is bounded"}, "wrong"),
+        ("fibre_timed", "fibre/A11", set(), "wrong"),
         ("axle_counter", "axle_counter/A6", {"length is true", "place is true", "count is true"}, "hazard"),
     ],
 )
