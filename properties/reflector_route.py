@@ -13,7 +13,7 @@ from functools import partial
 from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, reachable
-from safeloc.language.units import COUNT, MM, NM
+from safeloc.language.units import COUNT, NM
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector_route import ReflectorRoute
 from safeloc.models.turn_off.variables import UNDECIDED
@@ -108,19 +108,20 @@ def _branch(whole: ReflectorRoute) -> Iterator[Property]:
 
 
 def _branches(whole: ReflectorRoute) -> Iterator[Property]:
-    own, into = whole.route.own, whole.composition.of(whole.route.machine)
-    nothing = all_of([
-        into.bool(own.sighting_model.eq(NO_MODEL) | ~own.sighting_range.present),
-        into.num(own.course_taken).eq(UNDECIDED),
-        ~into.bool(own.start_error.present),
-    ])  # fmt: skip
+    own, into, heard = (
+        whole.route.own,
+        whole.composition.of(whole.route.machine),
+        whole.composition.of(whole.source.machine),
+    )
+    unshown = all_of(heard.bool(~_shows(whole, slot)) for slot in whole.source.own.slots)
+    nothing = all_of([unshown, into.num(own.course_taken).eq(UNDECIDED), ~into.bool(own.start_error.present)])
     kept = all_of(
         _possible(whole, one.possible).iff(earlier_bool(_possible(whole, one.possible))) for one in own.routes
     )
     yield for_all_inputs(
         "an undecided switch leaves every branch",
         all_of([nothing, _carrying(whole)]).implies(kept),
-        statement="in a cycle without a sighting, a turn that is seen and a start, every route that was possible stays possible, and no other "
+        statement="in a cycle in which no echo shows a model, no turn is seen and no route begins, every route that was possible stays possible, and no other "
         "becomes possible, unless all are given up",
     )
     begun = into.bool(own.start_error.present)
@@ -247,20 +248,20 @@ def _near_the_start(whole: ReflectorRoute) -> Iterator[Property]:
 
 def _sightings(whole: ReflectorRoute) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
-    heard = whole.composition.of(whole.source.machine)
+    heard, offset = whole.composition.of(whole.source.machine), whole.config.reflector.radar_offset_mm
     shown = [heard.bool(_shows(whole, slot)) for slot in whole.source.own.slots]
-    none = as_num(0, MM), as_num(0, MM), NO_MODEL
-    away, error, model = none
-    for slot, shows in reversed(list(zip(whole.source.own.slots, shown, strict=True))):
-        away = ite(shows, heard.num(slot.range.value) - whole.config.reflector.radar_offset_mm, away)
-        error = ite(shows, heard.num(slot.error) + whole.config.sighting_error_mm, error)
-        model = ite(shows, heard.num(slot.model), model)
-    seen = any_of(shown)
+    away, error, model = (into.num(one) for one in (own.sighting_range.value, own.sighting_error, own.sighting_model))
+    same: list[Bool] = []
+    for number, slot in enumerate(whole.source.own.slots):
+        range_, own_error, shows = (heard.num(one) for one in (slot.range.value, slot.error, slot.model))
+        told = all_of([
+            away + offset - range_ <= 0, range_ - away <= offset, model.eq(shows),
+            error - own_error <= whole.config.sighting_error_mm, own_error - error <= -whole.config.sighting_error_mm,
+        ])  # fmt: skip
+        same.append(all_of([shown[number], *(~one for one in shown[:number])]).implies(told))
     yield for_all_inputs(
         "a sighting is an echo that the reflector machine hears",
-        hears_value(into, own.sighting_range, seen, away)
-        & into.num(own.sighting_model).eq(model)
-        & into.num(own.sighting_error).eq(error),
+        all_of([into.bool(own.sighting_range.present).iff(any_of(shown)), any_of(shown) | model.eq(NO_MODEL), *same]),
         statement="the route machine hears, of the frame that the reflector machine hears, the first echo with the minimum intensity that shows a "
         "model: that model, the range from the front end, and the echo's error with the configured one; and nothing else",
         requirements=("RFL-D6", "RFL-10"),
@@ -268,13 +269,16 @@ def _sightings(whole: ReflectorRoute) -> Iterator[Property]:
 
 
 def _shows(whole: ReflectorRoute, slot: Slot) -> Bool:
+    """A frame came whose echo is strong, shows a model, is not too close and ahead of the front end, and has an error that can be told."""
     figures = whole.config.reflector
-    ahead, told = (
-        slot.range.value >= figures.radar_offset_mm,
-        slot.error <= MAX_ERROR_MM - whole.config.sighting_error_mm,
+    weak, coarse = (
+        slot.intensity < figures.minimum_intensity_cdb,
+        slot.error > MAX_ERROR_MM - whole.config.sighting_error_mm,
     )
-    strong = slot.intensity >= figures.minimum_intensity_cdb
-    return all_of([whole.source.own.frame_present, slot.range.present, strong, slot.model.ne(NO_MODEL), ahead, told])
+    behind = slot.range.value < max(figures.radar_offset_mm, figures.near_range_mm)
+    return ~any_of(
+        [~whole.source.own.frame_present, ~slot.range.present, weak, slot.model.eq(NO_MODEL), behind, coarse]
+    )
 
 
 def _courses(whole: ReflectorRoute) -> Iterator[Property]:

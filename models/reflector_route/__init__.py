@@ -2,7 +2,7 @@
 
     motion, balise   as in `reflector_device`
     starts           no machine on board: the routes that begin at a group, and the next facing switch
-    radar            no machine on board: which echo of the frame is a sighting
+    radar            tells which echo of the frame is a sighting
     turn_off         sees by the reflector behind a switch whether the vehicle turns off
     route            carries the routes on which the vehicle may be, at most four, each with its interval
     line, reflector  as in `reflector_device`; a lost route withdraws the position

@@ -1,7 +1,7 @@
-"""The radar's frame as route and reflector machine hear it: of its echoes, the one that is a sighting.
+"""The radar's frame as the route machine hears it: of its echoes, the one that is a sighting.
 
-No machine on board: it computes nothing. A sighting is the first echo with the minimum intensity that shows a reflector's model, of whatever reflector
-it is: the reflector machine measures the map's next one only, and stands behind the route, whose contradiction it hears.
+A sighting is the first echo with the minimum intensity that shows a reflector's model, of whatever reflector it is: the reflector machine, which hears the
+same frame, measures the map's next one only, and stands behind the route, whose contradiction it hears.
 """
 
 from __future__ import annotations
@@ -9,63 +9,116 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
-from safeloc.language.expr import TRUE, Bool, BoolVar, Num, Var, all_of, any_of, as_num
+from safeloc.language.expr import (
+    TRUE,
+    Bool,
+    BoolVar,
+    Expr,
+    Num,
+    NumVar,
+    Var,
+    all_of,
+    any_of,
+    as_num,
+    boolean,
+    choice,
+    enumeration,
+    number,
+)
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.units import MM
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.variables import Parts
 from safeloc.models.reflector_route.configuration import ReflectorRouteConfig
 from safeloc.models.vocabulary.first_of import first_of
-from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, NO_MODEL
+from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, MODEL, NO_MODEL
 
 NAME = "radar"
+REQUIREMENTS = ("RFL-D6", "RFL-10")
 
 
 @dataclass(frozen=True, eq=False)
 class Radar:
-    """The machine, and the inputs that it shares with the reflector machine."""
+    """The machine, with the inputs that it shares with the reflector machine, and the sighting of the cycle.
+
+    sighted  there is one
+    range    distance from the front end to the sighted reflector, mm
+    error    the greatest error of that distance, mm: the echo's own, and what the configuration adds
+    model    the model that it shows
+    """
 
     machine: Machine
-    config: ReflectorRouteConfig
-    frame_present: BoolVar
     slots: tuple[Slot, ...]
+    shared: tuple[Var, ...]
+    sighted: BoolVar
+    range: NumVar
+    error: NumVar
+    model: NumVar
 
-    @property
-    def shared(self) -> list[Var]:
-        """The inputs that the reflector machine has as well."""
-        return [self.frame_present, *(var for slot in self.slots for var in _inputs(slot))]
+
+def radar(config: ReflectorRouteConfig, heard: Parts) -> Radar:
+    """Build the machine over the frame's inputs of the reflector machine."""
+    declared, table = Declared(), modes("LOOKING")
+    declared.sensor(heard.frame_present)
+    for slot in heard.slots:
+        for one in (slot.range, slot.error, slot.model, slot.intensity, slot.lateral):
+            declared.sensor(one)
+    sighted = declared.state(boolean("sighted"), first=False)
+    away = declared.state(number("sighting_range_mm", MM, 0, config.reflector.range_limit_mm), first=0)
+    error = declared.state(number("sighting_error_mm", MM, 0, MAX_ERROR_MM), first=0)
+    model = declared.state(choice("sighting_model", enumeration(MODEL)), first=NO_MODEL)
+    frame = _Frame(config, heard)
+    outputs: dict[str, Expr] = {"sighted": sighted, "range_mm": away, "error_mm": error, "model": model}
+    seen = {sighted: frame.sighted, away: frame.range, error: frame.error, model: frame.model}
+    made = declared.machine(
+        name=NAME,
+        modes=table,
+        outputs=outputs,
+        transitions=[
+            Transition("reflector sighted", table[0], table[0], frame.sighted, dict(seen), REQUIREMENTS, 0),
+            Transition("nothing sighted", table[0], table[0], TRUE, dict(seen), REQUIREMENTS, 1),
+        ],
+        doc="The sighting of the cycle, of the radar's frame. Nothing is assumed here.",
+    )
+    shared = (heard.frame_present, *(var for slot in heard.slots for var in _inputs(slot)))
+    return Radar(made, heard.slots, shared, sighted, away, error, model)
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """The sighting in a frame; without one every figure is 0, and the model is none."""
+
+    config: ReflectorRouteConfig
+    heard: Parts
 
     @property
     def sighted(self) -> Bool:
-        """There is a sighting."""
-        return any_of(self._is_sighting(slot) for slot in self.slots)
+        return any_of(self._is_sighting(slot) for slot in self.heard.slots)
 
     @property
     def range(self) -> Num:
-        """Distance from the front end to the sighted reflector, mm."""
-        return self._of_sighting([self._ahead(slot) for slot in self.slots], as_num(0, MM))
+        return self._of_sighting([self._ahead(slot) for slot in self.heard.slots], as_num(0, MM))
 
     @property
     def error(self) -> Num:
-        """The greatest error of that distance, mm: the echo's own, and what the configuration adds."""
-        return self._of_sighting([self._error(slot) for slot in self.slots], as_num(0, MM))
+        return self._of_sighting([self._error(slot) for slot in self.heard.slots], as_num(0, MM))
 
     @property
     def model(self) -> Num:
-        """The model that the sighting shows."""
-        return self._of_sighting([slot.model for slot in self.slots], NO_MODEL)
+        return self._of_sighting([slot.model for slot in self.heard.slots], NO_MODEL)
 
     def _of_sighting(self, values: list[Num], default: Num) -> Num:
-        return first_of(*((self._is_sighting(slot), value) for slot, value in zip(self.slots, values, strict=True)), default=default)  # fmt: skip
+        shown = [self._is_sighting(slot) for slot in self.heard.slots]
+        return first_of(*zip(shown, values, strict=True), default=default)
 
     def _is_sighting(self, slot: Slot) -> Bool:
-        """Return whether the echo shows a model with the minimum intensity, ahead of the front end and with an error that can be told."""
+        """Return whether the echo shows a model with the minimum intensity, from farther than the near range and the front end, with an error that can be told."""
         return all_of([
-            self.frame_present,
+            self.heard.frame_present,
             slot.range.present,
             slot.intensity >= self.config.reflector.minimum_intensity_cdb,
             slot.model.ne(NO_MODEL),
-            self._ahead(slot) >= 0,
+            slot.range.value >= max(self.config.reflector.near_range_mm, self.config.reflector.radar_offset_mm),
             self._error(slot) <= MAX_ERROR_MM,
         ])  # fmt: skip
 
@@ -74,23 +127,6 @@ class Radar:
 
     def _error(self, slot: Slot) -> Num:
         return slot.error + self.config.sighting_error_mm
-
-
-def radar(config: ReflectorRouteConfig, heard: Parts) -> Radar:
-    """Build the machine over the frame's inputs of the reflector machine."""
-    declared, table = Declared(), modes("LOOKING")
-    frame_present = declared.sensor(heard.frame_present)
-    for slot in heard.slots:
-        for one in (slot.range, slot.error, slot.model, slot.intensity, slot.lateral):
-            declared.sensor(one)
-    made = declared.machine(
-        name=NAME,
-        modes=table,
-        outputs={},
-        transitions=[Transition("frame looked at", table[0], table[0], TRUE, {}, ("RFL-D6",), 0)],
-        doc="The frame of the radar. Nothing is assumed here.",
-    )
-    return Radar(made, config, frame_present, heard.slots)
 
 
 def _inputs(slot: Slot) -> tuple[Var, ...]:

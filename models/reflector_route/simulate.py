@@ -149,11 +149,12 @@ class _Run:
         return answer | {"sighted_place_nm": (int(stands) - place) * NM_PER_MM, "sighted_model": model}
 
     def _sighting(self, driven: Mapping[str, Cell]) -> int | None:
-        """Return the number of the first echo that shows a model with the minimum intensity."""
-        least = self._config.reflector.minimum_intensity_cdb
+        """Return the number of the first echo that shows a model with the minimum intensity, and is not too close."""
+        figures = self._config.reflector
+        least, near = figures.minimum_intensity_cdb, max(figures.near_range_mm, figures.radar_offset_mm)
         for number in self._slots():
             name = f"reflector.echo_{number}"
-            strong = f"{name}_range_mm" in driven and int(driven[f"{name}_intensity_cdb"]) >= least
+            strong = int(driven.get(f"{name}_range_mm", -1)) >= near and int(driven[f"{name}_intensity_cdb"]) >= least
             if strong and driven[f"{name}_model"] != "NONE":
                 return number
         return None

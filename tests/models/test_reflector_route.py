@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.expr import FALSE, TRUE, Num, any_of, as_num, ite, minimum
+from safeloc.language.expr import FALSE, TRUE, any_of, as_num, ite, minimum
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models import reflector_route
 from safeloc.models.reflector.world import PRESCRIBED, READING
@@ -148,15 +148,14 @@ def _switch_given_late(whole: ReflectorRoute, _: Wires) -> Wires:
 
 def _weak_echoes(whole: ReflectorRoute, _: Wires) -> Wires:
     """An echo that shows a model is a sighting, however weak it is."""
-    shown = any_of(one.range.present & one.model.ne(NO_MODEL) for one in whole.source.own.slots)
-    return {whole.route.own.sighting_range.present: whole.source.own.frame_present & shown}
+    shown = any_of(one.range.present & one.model.ne(NO_MODEL) for one in whole.radar.slots)
+    return {whole.route.own.sighting_range.present: whole.radar.sighted | shown}
 
 
-def _error_of_the_echo(whole: ReflectorRoute, right: Wires) -> Wires:
+def _error_of_the_echo(whole: ReflectorRoute, _: Wires) -> Wires:
     """Without the radar's systematic error, its latency and the survey."""
-    told = right[whole.route.own.sighting_error]
-    assert isinstance(told, Num)
-    return {whole.route.own.sighting_error: ite(whole.radar.sighted, told - whole.config.sighting_error_mm, 0)}
+    alone = whole.radar.error - whole.config.sighting_error_mm
+    return {whole.route.own.sighting_error: ite(whole.radar.sighted, alone, 0)}
 
 
 def _nothing_sighted(whole: ReflectorRoute, _: Wires) -> Wires:
