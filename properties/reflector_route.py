@@ -12,7 +12,7 @@ from functools import partial
 
 from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.machine import Machine
-from safeloc.language.spec import Property, always, earlier_bool, reachable
+from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import COUNT, NM
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector_route import ReflectorRoute
@@ -46,7 +46,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: ReflectorRoute) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _branch, _branches, _lost, _withdrawn, _starts, _near_the_start, _sightings, _courses, _shown)
+    makers = (_host, _branch, _branches, _lost, _withdrawn, _starts, _near_the_start, _sightings, _courses)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -314,22 +314,6 @@ def _courses(whole: ReflectorRoute) -> Iterator[Property]:
         hears_value(into, own.switch_position, shown.bool(switch.present) & (place > high), place),
         statement="the map's next switch is watched from where the whole interval lies before it, and no other one",
         requirements=("RFL-12",),
-    )
-
-
-def _shown(whole: ReflectorRoute) -> Iterator[Property]:
-    told = ~_restrictive(whole)
-    yield reachable(
-        "a position while several branches are carried",
-        told & (_count(whole) > 1) & earlier_bool(_count(whole) > 1),
-        statement="behind an undecided switch the host keeps its position, and both branches are listed",
-        requirements=REQUIREMENTS,
-    )
-    yield reachable(
-        "a branch is told after several were carried",
-        all_of([told, _of_route(whole, "valid"), earlier_bool(_count(whole) > 1)]),
-        statement="a sighting or a turn can decide the branch while the host has a position",
-        requirements=REQUIREMENTS,
     )
 
 
