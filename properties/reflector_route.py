@@ -6,18 +6,19 @@ wires: a route that begins from a raw telegram, or that nobody hears, would keep
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.expr import Bool, Lit, Num, NumVar, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import COUNT, NM
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector_route import ReflectorRoute
+from safeloc.models.route import variables as routes
 from safeloc.models.turn_off.variables import UNDECIDED
-from safeloc.models.vocabulary.reasons import CONTRADICTION
+from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, NO_MODEL
 from safeloc.properties import delocalized
 from safeloc.properties import route as route_claims
@@ -40,13 +41,20 @@ _OF_THE_ROUTE = (
     "a right authority is never refuted",
 )
 _OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
+_REASONS: Mapping[Lit, Lit] = {
+    routes.NO_START: NO_REFERENCE,
+    routes.CONTRADICTION: CONTRADICTION,
+    routes.TOLERANCE: TOLERANCE,
+    routes.SENSOR_FAILURE: SENSOR_FAILURE,
+}
+"""Reasons of the route machine, in the words of the host."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: ReflectorRoute) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _branch, _branches, _lost, _withdrawn, _starts, _near_the_start, _sightings, _courses)
+    makers = (_host, _branch, _branches, _lost, _told_why, _withdrawn, _starts, _near_the_start, _sightings, _courses)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -166,6 +174,17 @@ def _lost(whole: ReflectorRoute) -> Iterator[Property]:
         statement="a contradiction is wired to the reflector machine exactly in the cycles in which the route is lost, the permitted route or course "
         "is refuted, or groups contradict the position",
         requirements=("RFL-D6", "RFL-12", "RFL-D3"),
+    )
+
+
+def _told_why(whole: ReflectorRoute) -> Iterator[Property]:
+    [heard] = [one for one in whole.restrictive.inputs if isinstance(one, NumVar) and one.name == "source_reason"]
+    why, told = _why(whole), whole.composition.of(whole.restrictive).num(heard)
+    yield for_all_inputs(
+        "the host is told why no branch is carried",
+        _carrying(whole)
+        | all_of(why.eq(of_route).implies(told.eq(for_host)) for of_route, for_host in _REASONS.items()),
+        statement="without a branch the host's reason is that of the route machine: no start, a contradiction, an interval too wide, a silent odometer",
     )
 
 
@@ -330,6 +349,10 @@ def _count(whole: ReflectorRoute) -> Num:
     for one in whole.route.own.routes:
         total = total + ite(_possible(whole, one.possible), as_num(1, COUNT), 0)
     return total
+
+
+def _why(whole: ReflectorRoute) -> Num:
+    return whole.composition.of(whole.route.machine).num(whole.route.own.reason)
 
 
 def _carrying(whole: ReflectorRoute) -> Bool:

@@ -20,6 +20,7 @@ from safeloc.models.turn_off import LEFT, UNDECIDED, TurnOffConfig
 from safeloc.models.turn_off.seen_course import TAKEN
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
+from safeloc.models.vocabulary.reasons import CONTRADICTION as CONTRADICTED
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.proof.provers.implication import Refuted
 from safeloc.properties.reflector_route import properties
@@ -95,6 +96,11 @@ def _undecided_contradicts(whole: ReflectorRoute, right: Wires) -> Wires:
 
 def _without_a_route(whole: ReflectorRoute, _: Wires) -> Wires:
     return {input_of(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
+
+
+def _no_reason(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Without a branch the host is told the reason of the reflector machine, which only says that it was contradicted."""
+    return {input_of(whole.restrictive, "source_reason"): CONTRADICTED}
 
 
 def _raw_telegram(whole: ReflectorRoute, _: Wires) -> Wires:
@@ -187,6 +193,7 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "a refuted authority unheard": (_authority_unheard, "a refuted authority withdraws the position"),
     "an undecided switch contradicts": (_undecided_contradicts, _NOTHING_ELSE),
     "a position without a route": (_without_a_route, "no position without a branch"),
+    "one reason for all": (_no_reason, "the host is told why no branch is carried"),
     "a raw telegram begins a route": (_raw_telegram, _START),
     "the nearer end of the interval": (_nearer_end, "contract of route"),
     "margins without the distance from the start": (_only_margins, "contract of route"),
