@@ -54,7 +54,10 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: ReflectorRoute) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _branch, _branches, _lost, _told_why, _withdrawn, _starts, _near_the_start, _sightings, _courses)
+    makers = (
+        _host, _hosts_interval, _branch, _branches, _too_many, _lost, _only_lost, _told_why, _withdrawn, _starts, _candidates,
+        _near_the_start, _sightings, _courses, _watched,
+    )  # fmt: skip
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -66,6 +69,9 @@ def _host(whole: ReflectorRoute) -> Iterator[Property]:
     for claim in delocalized.properties(whole.restrictive, whole.config.host):
         if claim.name in _OF_THE_RESTRICTIVE_STATE:
             yield whole.composition.inherited(whole.restrictive, claim)
+
+
+def _hosts_interval(whole: ReflectorRoute) -> Iterator[Property]:
     host, source = whole.composition.of(whole.restrictive), whole.composition.of(whole.source.machine)
     same = hears_interval(host, [whole.restrictive.output(name) for name in INTERVAL], source, whole.source.machine)
     passed, valid = ~_restrictive(whole), _of_source(whole, "valid")
@@ -132,7 +138,10 @@ def _branches(whole: ReflectorRoute) -> Iterator[Property]:
         statement="in a cycle in which no echo shows a model, no turn is seen and no route begins, every route that was possible stays possible, and no other "
         "becomes possible, unless all are given up",
     )
-    begun = into.bool(own.start_error.present)
+
+
+def _too_many(whole: ReflectorRoute) -> Iterator[Property]:
+    begun = whole.composition.of(whole.route.machine).bool(whole.route.own.start_error.present)
     ahead = whole.composition.of(whole.starts.machine).num(whole.starts.routes_ahead)
     yield for_all_inputs(
         "more branches than are carried are no position",
@@ -160,6 +169,9 @@ def _lost(whole: ReflectorRoute) -> Iterator[Property]:
         "neither the host nor the reflector machine has a position",
         requirements=("RFL-12", "RFL-D6"),
     )
+
+
+def _only_lost(whole: ReflectorRoute) -> Iterator[Property]:
     yield for_all_inputs(
         "no position without a branch",
         (~_restrictive(whole)).implies(_carrying(whole)),
@@ -231,6 +243,11 @@ def _starts(whole: ReflectorRoute) -> Iterator[Property]:
         "is farther away than a start may be; the error is the distance to the farther end",
         requirements=("RFL-D6", "RFL-5"),
     )
+
+
+def _candidates(whole: ReflectorRoute) -> Iterator[Property]:
+    own, into = whole.route.own, whole.composition.of(whole.route.machine)
+    map_ = whole.composition.of(whole.starts.machine)
     most = map_.num(whole.starts.routes_ahead) <= whole.config.route.routes
     yield for_all_inputs(
         "the map's routes are candidates",
@@ -301,11 +318,7 @@ def _shows(whole: ReflectorRoute, slot: Slot) -> Bool:
 
 
 def _courses(whole: ReflectorRoute) -> Iterator[Property]:
-    own, into, watching = (
-        whole.course.own,
-        whole.composition.of(whole.course.machine),
-        whole.composition.of(whole.groups.machine),
-    )
+    own, into = whole.course.own, whole.composition.of(whole.course.machine)
     for claim in course_claims.properties(whole.course):
         if claim.name == "course is true":
             yield replace(whole.composition.inherited(whole.course.machine, claim), assumption=LAW)
@@ -315,6 +328,11 @@ def _courses(whole: ReflectorRoute) -> Iterator[Property]:
         statement="the turn that refutes routes is the one that the image of a reflector shows in this cycle",
         requirements=("RFL-D6", "RFL-12"),
     )
+
+
+def _watched(whole: ReflectorRoute) -> Iterator[Property]:
+    own, into = whole.course.own, whole.composition.of(whole.course.machine)
+    watching = whole.composition.of(whole.groups.machine)
     low, high, limit = into.num(own.low), into.num(own.high), whole.config.turn_off.position_limit_mm
     position, below, above = (watching.num(whole.groups.machine.output(name)) for name in INTERVAL)
     front, rear = position + above, position - below

@@ -34,6 +34,7 @@ from safeloc.models.route.ghosts import Moved, moved
 from safeloc.models.route.variables import CONTRADICTION as NO_ROUTE_FITS
 from safeloc.models.route.variables import NO_START
 from safeloc.models.route.variables import TOLERANCE as TOO_WIDE
+from safeloc.models.route.variables import parts as route_parts
 from safeloc.models.route.world import AT_THE_START, ODOMETER
 from safeloc.models.turn_off import TurnOff
 from safeloc.models.turn_off.seen_course import TAKEN
@@ -69,7 +70,7 @@ def compose_machines(config: ReflectorRouteConfig | None = None) -> ReflectorRou
     moves, source = located.motion, located.source
     map_, frame = starts(config), radar(config, source.own)
     course = turn_off.build(turn_off.parts(config.turn_off))
-    branch = route.build(route.parts(config.route, moving=_moving(config, moves)))
+    branch = route.build(route_parts(config.route, moving=_moving(config, moves)))
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
     wires: dict[Var, Expr] = {

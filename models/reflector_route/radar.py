@@ -26,6 +26,7 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.rows import Updates
 from safeloc.language.units import MM
 from safeloc.models.reflector.echo import Slot
 from safeloc.models.reflector.variables import Parts
@@ -69,14 +70,14 @@ def radar(config: ReflectorRouteConfig, heard: Parts) -> Radar:
     model = declared.state(choice("sighting_model", enumeration(MODEL)), first=NO_MODEL)
     frame = _Frame(config, heard)
     outputs: dict[str, Expr] = {"sighted": sighted, "range_mm": away, "error_mm": error, "model": model}
-    seen = {sighted: frame.sighted, away: frame.range, error: frame.error, model: frame.model}
+    seen: Updates = {sighted: frame.sighted, away: frame.range, error: frame.error, model: frame.model}
     made = declared.machine(
         name=NAME,
         modes=table,
         outputs=outputs,
         transitions=[
-            Transition("reflector sighted", table[0], table[0], frame.sighted, dict(seen), REQUIREMENTS, 0),
-            Transition("nothing sighted", table[0], table[0], TRUE, dict(seen), REQUIREMENTS, 1),
+            Transition("reflector sighted", table[0], table[0], frame.sighted, seen, REQUIREMENTS, 0),
+            Transition("nothing sighted", table[0], table[0], TRUE, seen, REQUIREMENTS, 1),
         ],
         doc="The sighting of the cycle, of the radar's frame. Nothing is assumed here.",
     )

@@ -54,7 +54,7 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """What moves the vehicle and its odometer's error, where another machine's world does: its travel in the cycle, and the one-off error."""
+    """The vehicle's travel in the cycle, and the one-off part of its odometer's error, which the worlds of several machines may share."""
 
     true_cycle_distance: NumVar
     wander: NumVar
