@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import NumVar, any_of, between, exact_to
+from safeloc.language.expr import NumVar, all_of, between, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import NM
@@ -54,9 +54,10 @@ def _found_again(whole: MarkerDevice) -> Property:
     own, source = whole.source.own, whole.composition.of(whole.source.machine)
     restrictive = whole.composition.of(whole.restrictive).bool(whole.restrictive.flag("restrictive"))
     read = [one.verdict for one in own.readers] + [_given(whole).verdict]
+    all_refused = all_of(source.num(one).ne(ACCEPTED) for one in read)
     return for_all_inputs(
         "only an accepted reading ends a loss",
-        (earlier_bool(restrictive) & ~restrictive).implies(any_of(source.num(one).eq(ACCEPTED) for one in read)),
+        (all_refused & earlier_bool(restrictive)).implies(restrictive),
         statement="the restrictive state is left only in a cycle in which odometry accepted a marker or a position of satellites",
         requirements=("MRK-D1", "MRK-D6"),
     )

@@ -54,7 +54,7 @@ def _same_distance(wanted: Optional, measured: Optional) -> dict[Var, Expr]:
     return {wanted.value: measured.value, wanted.present: measured.present}
 
 
-def _distance_of_motion(wanted: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
+def distance_of_motion(wanted: Optional, more: NumVar | None, moves: Motion) -> dict[Var, Expr]:
     """Return the wires of an odometer input to the distance that `motion` reports."""
     if moves.own.check is None or more is None:
         return _same_distance(wanted, moves.own.odometer.measured)
@@ -80,12 +80,12 @@ def _balise(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> P
         moved = replace(moved, wander=seen.units.reported, next_wander=seen.units.next_reported)
     own = balise_parts(config.balise, moved=moved)
     model = balise.build(own)
-    wires = _distance_of_motion(own.odometer.measured, own.odometer.more, moves)
-    discharged = _law_of_motion(Clause(model.machine, balise.ODOMETER), moves)
+    wires = distance_of_motion(own.odometer.measured, own.odometer.more, moves)
+    discharged = law_of_motion(Clause(model.machine, balise.ODOMETER), moves)
     return Piece((model.machine,), wires, plainly(model.machine), discharged, (model,))
 
 
-def _law_of_motion(law: Clause, moves: Motion) -> tuple[Clause, ...]:
+def law_of_motion(law: Clause, moves: Motion) -> tuple[Clause, ...]:
     """Return the clause of the distance's law if `motion` discharges it: with a check unit."""
     return () if moves.own.check is None else (law,)
 
@@ -120,8 +120,8 @@ def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -
         machine.flag("valid") & machine.flag("precise") & machine.flag("recognised"),
         why,
     )
-    wires = _distance_of_motion(own.odometer.measured, own.odometer.more, moves)
-    return Piece((machine,), wires, stated, _law_of_motion(Clause(machine, reflector.ODOMETER), moves), (model,))
+    wires = distance_of_motion(own.odometer.measured, own.odometer.more, moves)
+    return Piece((machine,), wires, stated, law_of_motion(Clause(machine, reflector.ODOMETER), moves), (model,))
 
 
 def _satellite(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:

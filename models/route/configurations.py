@@ -13,4 +13,10 @@ NEVER = {
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.law.growth_nm(abs_(self.measured.value), as_num(0, MS), ...": "an odometer that drifts is refused: odometer.drift_mm_s2 must be 0",
 }
 """Case splits that no configuration makes live, with the reason."""
-CONFIGURATIONS = Configurations({"an odometer that errs at standstill": RouteConfig(odometer=ERRING)}, NEVER)
+CONFIGURATIONS = Configurations(
+    {
+        "an odometer that errs at standstill": RouteConfig(odometer=ERRING),
+        "a second unit has checked the distance": RouteConfig(odometer=ERRING, checked_distance=True),
+    },
+    NEVER,
+)

@@ -20,7 +20,7 @@ from safeloc.language.expr import (
     optional,
 )
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
-from safeloc.models.route.ghosts import Bounds, ghosts
+from safeloc.models.route.ghosts import Bounds, Moved, ghosts, moved
 from safeloc.models.turn_off import COURSE
 from safeloc.models.vocabulary.error_law import WHEEL, ErrorLaw, check_counts_distance
 from safeloc.models.vocabulary.measured import Limits
@@ -46,6 +46,7 @@ class RouteConfig(Config):
     length_limit_mm: int = quantity(100_000_000, "mm", 1_000, 1_000_000_000, "[D] 100 km from the common start")
     range_limit_mm: int = quantity(300_000, "mm", 1_000, 2_000_000, "[M] 24/77 GHz radar: 100 to 200 m")
     start_error_mm: int = quantity(13_000, "mm", 1, 100_000, "[D] Q_NVLOCACC 12 m and detection accuracy 1 m")
+    checked_distance: bool = False
 
     @model_validator(mode="after")
     def _can_locate(self) -> RouteConfig:
@@ -101,10 +102,10 @@ class Parts:
     reason          why no route is decided
     """
 
-    def __init__(self, config: RouteConfig) -> None:
+    def __init__(self, config: RouteConfig, moving: Moved) -> None:
         self.declared = declared = Declared()
         self.config = config
-        self.odometer = odometer(config.odometer, config.limits).declare(declared)
+        self.odometer = odometer(config.odometer, config.limits, checked=config.checked_distance).declare(declared)
         self.start_error = declared.sensor(optional("start_error_mm", MM, 0, config.start_error_mm))
         self.sighting_range = declared.sensor(optional("sighting_range_mm", MM, 0, config.range_limit_mm))
         self.sighting_error = declared.sensor(number("sighting_error_mm", MM, 0, MAX_ERROR_MM))
@@ -114,7 +115,7 @@ class Parts:
         self.routes = tuple(_hypothesis(declared, number_, config) for number_ in range(1, config.routes + 1))
         self.course_taken = declared.sensor(choice("course_taken", enumeration(COURSE)))
         self.authorised_route = declared.sensor(number("authorised_route", COUNT, 0, config.routes))
-        self.ghosts = ghosts(declared, _bounds(config))
+        self.ghosts = ghosts(declared, _bounds(config), moving)
 
     @property
     def half_nm(self) -> int:
@@ -122,14 +123,14 @@ class Parts:
         return self.config.odometer.wander_nm
 
 
-def parts(config: RouteConfig) -> Parts:
-    """Return fresh variables for one machine."""
-    return Parts(config)
+def parts(config: RouteConfig, *, moving: Moved | None = None) -> Parts:
+    """Return fresh variables for one machine; `moving`: the movement, where another machine's world moves the vehicle."""
+    return Parts(config, moving or moved(config.physics, config.odometer.wander_nm))
 
 
 def _bounds(config: RouteConfig) -> Bounds:
     far = config.length_limit_mm + config.range_limit_mm
-    return Bounds(config.physics, config.odometer.wander_nm, far + 2 * config.tolerance_mm, far, config.routes)
+    return Bounds(config.physics, far + 2 * config.tolerance_mm, far, config.routes, config.checked_distance)
 
 
 def _hypothesis(declared: Declared, number_: int, config: RouteConfig) -> Hypothesis:

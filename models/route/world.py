@@ -1,7 +1,7 @@
 """The world of the route machine: the true route and place of the vehicle, and the laws of odometer, radar and map.
 
     odometer   delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
-    start      gives the greatest distance from the common start, and the routes that begin there
+    start      gives the greatest distance from the common start, and the routes that begin there, if there are any
     reflector  is sighted at its range within the error, and shows its own model, or no known one
     turn       that is seen is the one that the vehicle takes
     map        has, for the true route, the sighted reflector and the course at the switch
@@ -11,32 +11,54 @@ Nothing is assumed of reflectors and turns that are not seen, nor of the map's e
 
 from __future__ import annotations
 
-from safeloc.language.expr import Bool, Expr, Num, Var, all_of, any_of, between, exact_to, ite
+from safeloc.language.expr import (
+    Bool,
+    Expr,
+    Num,
+    Var,
+    all_of,
+    any_of,
+    as_num,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
 from safeloc.language.units import NM
 from safeloc.language.world import Law, World
 from safeloc.models.route.variables import Hypothesis, Parts
 from safeloc.models.turn_off import UNDECIDED as NO_COURSE
 from safeloc.models.turn_off.seen_course import TAKEN, seen_course_law
-from safeloc.models.vocabulary.measuring_world import Measuring
+from safeloc.models.vocabulary.measuring_world import (
+    THOUSAND,
+    Measuring,
+    further_error,
+    possible_at_speed,
+    wander_after,
+)
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE, SPEED, on_line, speed_law
+
+ODOMETER = "the odometer obeys its error law"
+AT_THE_START = "at a start the vehicle is near it"
+"""Clauses that earlier machines can guarantee: one that checks the distance, and the balise machine if it gives the start."""
 
 
 def world(own: Parts) -> World:
     """Return the world."""
-    seen, odometer = own.ghosts, measuring(own)
-    moved: dict[Var, Expr] = {
-        seen.route: _route(own),
-        seen.truth: _after(own),
-        seen.wander: odometer.wander_after(seen.wander, seen.next_wander),
-    }
+    seen = own.ghosts
+    moved: dict[Var, Expr] = {seen.route: _route(own), seen.truth: _after(own), seen.wander: _wander_after(own)}
+    if not own.config.checked_distance:
+        moved |= measuring(own).moves()
     return own.declared.world(
-        moves=moved | odometer.moves(),
+        moves=moved,
         clauses={
-            "the odometer obeys its error law": _odometer_law(own),
+            ODOMETER: _odometer_law(own),
             SPEED: speed_law(seen.true_cycle_distance, own.config.physics.farthest_nm),
             ON_THE_LINE: _line_law(own),
-            "the start names the true route and place": _start_law(own),
+            AT_THE_START: _start_law(own),
+            "the start names the true route": _named_law(own),
             "a reflector is sighted at its range": _range_law(own),
             "a recognised model is the sighted reflector's": _model_law(own),
             "the map has the sighted reflector on the true route": _map_law(own),
@@ -47,7 +69,7 @@ def world(own: Parts) -> World:
 
 
 def measuring(own: Parts) -> Measuring:
-    """Return the odometer as a unit of the world."""
+    """Return the odometer as a unit of the world, where the machine reads it directly."""
     seen = own.ghosts
     return Measuring(own.odometer.law, own.odometer.measured, seen.last_delivered, seen.silent, own.config.physics)
 
@@ -65,19 +87,49 @@ def _route(own: Parts) -> Num:
 # ------------------------------------------------------------------ the vehicle and its odometer
 
 
+def _can_be_run(own: Parts) -> Bool:
+    """Return whether a distance came that a vehicle can have run; of one that another machine checked, only the size counts."""
+    if not own.config.checked_distance:
+        return measuring(own).can_be_run
+    return possible_at_speed(own.odometer.measured, own.config.physics.farthest_mm)
+
+
+def _wander_after(own: Parts) -> Num:
+    seen = own.ghosts
+    return wander_after(_can_be_run(own), seen.wander, seen.next_wander, checked=own.config.checked_distance)
+
+
 def _odometer_law(own: Parts) -> Law:
-    seen, odometer = own.ghosts, measuring(own)
-    error = odometer.error(seen.true_cycle_distance, seen.wander, seen.next_wander)
     return Law(
-        odometer.can_be_run.implies(odometer.allows(error)),
+        _checked_error(own) if own.config.checked_distance else _own_error(own),
         "The error of a distance that the odometer measures in a cycle is at most what its rate and floor allow, plus the "
-        "change of a one-off part within half its constant; or no vehicle can have run the distance. The rate counts the "
-        "MEASURED distance.",
+        "change of a one-off part within half its constant, plus what a checking unit reports beyond that; or no vehicle can have run "
+        "the distance. The rate counts the MEASURED distance.",
         ("constant_mm", "rate_ppm", "floor_mm_s", "knee_mm_s", "max_speed_mm_s", "max_acceleration_mm_s2"),
         "[S] SUBSET-041: 5 m + 5 % of every measured distance",
         "supplier",
         "type test; in operation the run between two starts against the map",
     )
+
+
+def _own_error(own: Parts) -> Bool:
+    """Return whether the odometer that the machine reads directly keeps its law."""
+    seen, odometer = own.ghosts, measuring(own)
+    error = odometer.error(seen.true_cycle_distance, seen.wander, seen.next_wander)
+    return odometer.can_be_run.implies(odometer.allows(error))
+
+
+def _checked_error(own: Parts) -> Bool:
+    """Return whether a distance that another machine checked keeps the law, with the error that it reports beyond; or it is none to be run."""
+    seen, physics, law, counts = own.ghosts, own.config.physics, own.odometer.law, _can_be_run(own)
+    thousandths, knee = own.odometer.measured.value * THOUSAND, law.knee_mm_s * physics.period_ms
+    above = maximum(maximum(thousandths - knee, -thousandths - knee), 0)
+    lawful = with_unit(above * law.rate_ppm, NM) + law.floor_mm_s * physics.period_ms * THOUSAND**2
+    blind = as_num(physics.farthest_nm * THOUSAND, NM)
+    most = ite(counts, lawful, blind) + further_error(own.odometer.more) * THOUSAND
+    counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
+    error = seen.true_cycle_distance - counted - (_wander_after(own) - seen.wander)
+    return (error * THOUSAND <= most) & (-error * THOUSAND <= most)
 
 
 def _line_law(own: Parts) -> Law:
@@ -94,15 +146,25 @@ def _line_law(own: Parts) -> Law:
 
 def _start_law(own: Parts) -> Law:
     away, seen = exact_to(own.start_error.value, NM), own.ghosts
-    leads = any_of(seen.start_route.eq(one.number) & one.candidate for one in own.routes)
     return Law(
-        own.start_error.present.implies(leads & (seen.start_truth <= away) & (seen.start_truth >= -away)),
-        "At a start the vehicle is no farther from the common start than the error of the reading, and its true route is among "
-        "those that begin there.",
+        own.start_error.present.implies((seen.start_truth <= away) & (seen.start_truth >= -away)),
+        "At a start the vehicle is no farther from the common start than the error of the reading.",
         ("start_error_mm",),
         "[S] OCORA 7242, SUBSET-026 3.16.2; Q_NVLOCACC [D]",
         "infrastructure",
-        "the balise machine's linking; audit of the line's map",
+        "the balise machine's linking",
+    )
+
+
+def _named_law(own: Parts) -> Law:
+    leads = any_of(own.ghosts.start_route.eq(one.number) & one.candidate for one in own.routes)
+    none = all_of(~one.candidate for one in own.routes)
+    return Law(
+        own.start_error.present.implies(leads | none),
+        "A start that names any route names the one on which the vehicle runs.",
+        source="[D] the map is looked up by the group that is read",
+        owner="infrastructure",
+        check="audit of the line's map",
     )
 
 

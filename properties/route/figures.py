@@ -38,15 +38,20 @@ def _most_added_error(own: Parts) -> Num:
     law, config, step = own.config.odometer, own.config, own.odometer.measured.value
     knee = law.knee_mm_s * config.period_ms // 1_000
     above = maximum(maximum(step - knee, -step - knee), 0)
-    return law.floor_mm_s * config.period_ms * 1_000 + with_unit(above * law.rate_ppm, NM)
+    return law.floor_mm_s * config.period_ms * 1_000 + with_unit(above * law.rate_ppm, NM) + _further(own)
+
+
+def _further(own: Parts) -> Num:
+    """Return the error that a checking unit reports beyond the law, nm; 0 without such a unit."""
+    return as_num(0, NM) if own.odometer.more is None else own.odometer.more
 
 
 def ran(own: Parts) -> tuple[Num, Num]:
     """Return the least and the greatest travel of the cycle, nm; without a usable distance, the highest speed either way."""
-    counts, blind = own.odometer.last_verdict.eq(ADMITTED), own.config.max_speed_mm_s * own.config.period_ms * 1_000
-    measured = exact_to(own.odometer.measured.value, NM)
-    least = ite(counts, measured - _most_added_error(own), as_num(-blind, NM))
-    return least, ite(counts, _most_added_error(own) + measured, as_num(blind, NM))
+    counts, farthest = own.odometer.last_verdict.eq(ADMITTED), own.config.max_speed_mm_s * own.config.period_ms * 1_000
+    measured, blind = exact_to(own.odometer.measured.value, NM), _further(own) + farthest
+    least = ite(counts, measured - _most_added_error(own), -blind)
+    return least, ite(counts, _most_added_error(own) + measured, blind)
 
 
 @dataclass(frozen=True, eq=False)

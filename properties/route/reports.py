@@ -92,7 +92,8 @@ def _odometer(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "a distance is admitted just if it can have been run",
         odometer.last_verdict.eq(ADMITTED).iff(all_of([odometer.measured.present, *_can_be_run(own)])),
-        statement="a distance is used exactly if the top speed and the greatest change of speed since the last one allow it",
+        statement="a distance is used exactly if the top speed allows it and, where no other machine checked it, the greatest change of speed "
+        "since the last one",
     )
     counted = odometer.gap.eq(earlier_num(odometer.gap) + 1) | odometer.gap.eq(own.config.gap_limit_cycles + 1)
     yield for_all_inputs(
@@ -109,14 +110,16 @@ def _odometer(model: Route) -> Iterator[Property]:
     )
 
 
-def _can_be_run(own: Parts) -> tuple[Bool, Bool]:
-    """Return whether top speed and greatest acceleration allow the distance, rounded up to mm, with the measuring steps."""
+def _can_be_run(own: Parts) -> tuple[Bool, ...]:
+    """Return whether top speed and, of a distance that nobody checked, greatest acceleration allow it, rounded up to mm, with the measuring steps."""
     config, step = own.config, own.odometer.measured.value
     farthest = config.measuring_step_mm + math.ceil(config.max_speed_mm_s * config.period_ms / 1_000)
     change = 2 * config.measuring_step_mm + math.ceil(config.max_acceleration_mm_s2 * config.period_ms**2 / 1_000_000)
     silent, faster = earlier_num(own.odometer.gap), step - earlier_num(own.odometer.last)
     allowed = with_unit(silent * change, MM) + change
     measured_lately = silent <= config.gap_limit_cycles
+    if config.checked_distance:
+        return (between(-farthest, step, farthest),)
     return between(-farthest, step, farthest), measured_lately.implies((faster <= allowed) & (-faster <= allowed))
 
 

@@ -28,6 +28,7 @@ SLOW = {
     "marker_device",
     "reflector_device",
     "reflector_direction",
+    "reflector_route",
     "reflector",
     "balise",
 }

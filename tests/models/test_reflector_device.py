@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
 from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
-from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Var, as_num, ite
-from safeloc.language.machine import Machine
-from safeloc.language.trace import Trace
-from safeloc.language.units import MM, NM_PER_MM
+from safeloc.language.expr import FALSE, TRUE, Bool, as_num, ite
+from safeloc.language.units import MM
 from safeloc.models import reflector_device
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.delocalized import DelocalizedConfig
@@ -29,10 +25,8 @@ from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.proof.provers.implication import Refuted
-from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.properties.reflector_device import properties
-from safeloc.runtime.streams.steps import read_steps
-from tests.models.inductive import inductive_in
+from tests.models.composed_devices import Runs, flag, holds, input_of
 from tests.models.owed_contracts import Wires, contract, rewired
 from tests.shipped_recordings import shipped
 
@@ -119,13 +113,13 @@ def _untimed(whole: ReflectorDevice, _: Wires) -> Wires:
 def _offset_dropped(whole: ReflectorDevice, right: Wires) -> Wires:
     """The telegram's distance as it stands, although it counts from the group."""
     given = whole.source.own.balise.reference
-    return {given.value: ite(_flag(right[given.present]), whole.groups.own.read.reflector.value, 0)}
+    return {given.value: ite(flag(right[given.present]), whole.groups.own.read.reflector.value, 0)}
 
 
 def _sign_turned(whole: ReflectorDevice, right: Wires) -> Wires:
     position, _, _ = wired_interval(whole.groups.machine)
     told, given = whole.groups.machine.output("reflector_mm"), whole.source.own.balise.reference
-    return {given.value: ite(_flag(right[given.present]) & (position > told), position - told, 0)}
+    return {given.value: ite(flag(right[given.present]) & (position > told), position - told, 0)}
 
 
 def _search_for_reflector(whole: ReflectorDevice, right: Wires) -> Wires:
@@ -138,7 +132,7 @@ def _search_for_reflector(whole: ReflectorDevice, right: Wires) -> Wires:
 
 def _map_from_the_group(whole: ReflectorDevice, right: Wires) -> Wires:
     given = whole.source.own.ahead.reference
-    return {given.value: ite(_flag(right[given.present]), whole.line.reference.value, 0)}
+    return {given.value: ite(flag(right[given.present]), whole.line.reference.value, 0)}
 
 
 def _groups_may_contradict(whole: ReflectorDevice, _: Wires) -> Wires:
@@ -147,12 +141,12 @@ def _groups_may_contradict(whole: ReflectorDevice, _: Wires) -> Wires:
 
 def _host_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
     machine = whole.restrictive
-    above, below = _input(machine, "source_margin_above_mm"), _input(machine, "source_margin_below_mm")
+    above, below = input_of(machine, "source_margin_above_mm"), input_of(machine, "source_margin_below_mm")
     return {above: right[below], below: right[above]}
 
 
 def _always_a_reference(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {_input(whole.restrictive, "reference_accepted"): TRUE}
+    return {input_of(whole.restrictive, "reference_accepted"): TRUE}
 
 
 def _stop_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
@@ -167,7 +161,7 @@ def _stop_without_a_position(whole: ReflectorDevice, _: Wires) -> Wires:
 def _balise_position_for_the_host(whole: ReflectorDevice, _: Wires) -> Wires:
     """The host gets the balise machine's position with the reflector machine's margins."""
     position, _, _ = wired_interval(whole.groups.machine)
-    return {_input(whole.restrictive, "source_position_mm"): position}
+    return {input_of(whole.restrictive, "source_position_mm"): position}
 
 
 def _any_image(whole: ReflectorDevice, _: Wires) -> Wires:
@@ -187,14 +181,14 @@ def _one_end(whole: ReflectorDevice, right: Wires) -> Wires:
 
 
 def _astray_is_passed_on(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {_input(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
+    return {input_of(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
 
 
 def _stop_by_the_balise(whole: ReflectorDevice, right: Wires) -> Wires:
     """The stop is made by the balise machine's interval, which holds the front end as well, and measures nothing."""
     own, groups = whole.stop.own, whole.groups.machine
     position, below, above = wired_interval(groups)
-    valid = _flag(right[own.valid]) & groups.flag("valid")
+    valid = flag(right[own.valid]) & groups.flag("valid")
     return {own.valid: valid, own.position: position, own.below: below, own.above: above}
 
 
@@ -206,21 +200,21 @@ def _always_measured(whole: ReflectorDevice, right: Wires) -> Wires:
 def _balise_for_the_host(whole: ReflectorDevice, right: Wires) -> Wires:
     """The host gets the balise machine's whole interval: no reflector ever counts."""
     machine, (position, below, above) = whole.restrictive, wired_interval(whole.groups.machine)
-    valid, cause = _input(machine, "source_valid"), whole.groups.machine.output("reason")
-    sides = {_input(machine, "source_margin_below_mm"): below, _input(machine, "source_margin_above_mm"): above}
-    stated = _flag(right[valid]) & whole.groups.machine.flag("valid")
+    valid, cause = input_of(machine, "source_valid"), whole.groups.machine.output("reason")
+    sides = {input_of(machine, "source_margin_below_mm"): below, input_of(machine, "source_margin_above_mm"): above}
+    stated = flag(right[valid]) & whole.groups.machine.flag("valid")
     return {
         valid: stated,
-        _input(machine, "source_position_mm"): position,
+        input_of(machine, "source_position_mm"): position,
         **sides,
-        _input(machine, "source_reason"): cause,
+        input_of(machine, "source_reason"): cause,
     }
 
 
 def _measured_only(whole: ReflectorDevice, right: Wires) -> Wires:
     """The host gets a position only while a reflector is measured, and none in the odometry zone."""
-    valid = _input(whole.restrictive, "source_valid")
-    return {valid: _flag(right[valid]) & whole.source.machine.flag("precise")}
+    valid = input_of(whole.restrictive, "source_valid")
+    return {valid: flag(right[valid]) & whole.source.machine.flag("precise")}
 
 
 def _telegram_unused(whole: ReflectorDevice, _: Wires) -> Wires:
@@ -282,68 +276,35 @@ def _counts(whole: ReflectorDevice) -> Bool:
     return whole.groups.machine.flag("reference_accepted")
 
 
-def _flag(term: Expr) -> Bool:
-    assert isinstance(term, Bool)
-    return term
-
-
-def _input(machine: Machine, name: str) -> Var:
-    [found] = [var for var in machine.inputs if isinstance(var, Var) and var.name == name]
-    return found
-
-
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the contract or the claim that is named, which the right wires keep."""
     wrong, claim = WRONG[name]
-    assert not holds(rewired(reflector_device, compose_machines, wrong, monkeypatch), claim)
+    whole = rewired(reflector_device, compose_machines, wrong, monkeypatch)
+    assert not holds(whole.composition, properties(whole), claim)
 
 
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
 def test_the_right_wires_keep_it(claim: str) -> None:
     """So that a refusal is due to the wire."""
-    assert holds(compose_machines(), claim)
-
-
-def holds(whole: ReflectorDevice, claim: str) -> bool:
-    """Whether a contract follows, or a claim of the whole is inductive with the lemmas."""
-    if claim.startswith("contract of "):
-        return contract(whole.composition, claim.removeprefix("contract of ")) is None
-    [prop] = [one for one in properties(whole) if one.name == claim]
-    return inductive_in(whole.composition.system, prop, claim)
+    whole = compose_machines()
+    assert holds(whole.composition, properties(whole), claim)
 
 
 # ------------------------------------------------------------------ recordings
 
 
-@cache
-def recorded(name: str) -> Trace:
-    """A shipped recording, refused in the first step that breaks what is assumed."""
-    stream = read_steps(shipped(f"reflector_device-{name}"))
-    return admissible_run(load_target("reflector_device").system, dict(stream.first), stream.steps)
-
-
-def fired(name: str, machine: str, *transitions: str) -> list[int]:
-    """The cycles of a recording in which a machine took one of the transitions."""
-    steps = recorded(name).steps
-    return [at for at, one in enumerate(steps) if one.fired[f"{machine}.fired"] in transitions]
+RUNS = Runs("reflector_device")
+recorded, fired = RUNS.recorded, RUNS.fired
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", SCENES)
 def test_every_interval_holds_the_truth(name: str) -> None:
     """The recording obeys every law to its end, and the front end lies in each interval that the host gets."""
-    target, trace = load_target("reflector_device"), recorded(name)
-    assert len(trace.steps) == len(read_steps(shipped(f"reflector_device-{name}")).steps)
-    located = 0
-    for one in trace.steps:
-        interval = target.reported.interval_mm(one.outputs) if target.reported else None
-        if interval is not None:
-            located += 1
-            assert interval[0] * NM_PER_MM <= int(one.state["truth_nm"]) <= interval[1] * NM_PER_MM
-    assert located > 50
+    assert RUNS.located(name) > 50
 
 
 @pytest.mark.thorough

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Var
-from safeloc.language.machine import Machine
-from safeloc.language.trace import Trace
-from safeloc.language.units import NM_PER_MM
+from safeloc.language.expr import FALSE, TRUE
 from safeloc.models import reflector_direction
 from safeloc.models.reflector.world import PRESCRIBED, READING
 from safeloc.models.reflector_direction import ReflectorDirection, compose_machines
@@ -21,10 +16,8 @@ from safeloc.models.travel_direction.variables import UNKNOWN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.proof.provers.implication import Refuted
-from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.properties.reflector_direction import properties
-from safeloc.runtime.streams.steps import read_steps
-from tests.models.inductive import inductive_in
+from tests.models.composed_devices import Runs, flag, holds, input_of
 from tests.models.owed_contracts import Wires, contract, rewired
 from tests.shipped_recordings import shipped
 
@@ -63,7 +56,7 @@ def test_each_contract_follows_from_the_machines_before(owner: str, lemma: str) 
 
 def _direction_unheard(whole: ReflectorDirection, right: Wires) -> Wires:
     heard = whole.source.own.contradicted
-    return {heard: _flag(right[heard]) & ~whole.direction.machine.flag("contradicts")}
+    return {heard: flag(right[heard]) & ~whole.direction.machine.flag("contradicts")}
 
 
 def _only_the_direction(whole: ReflectorDirection, _: Wires) -> Wires:
@@ -72,7 +65,7 @@ def _only_the_direction(whole: ReflectorDirection, _: Wires) -> Wires:
 
 def _any_direction_contradicts(whole: ReflectorDirection, right: Wires) -> Wires:
     heard = whole.source.own.contradicted
-    return {heard: _flag(right[heard]) | whole.direction.machine.output("direction").ne(UNKNOWN)}
+    return {heard: flag(right[heard]) | whole.direction.machine.output("direction").ne(UNKNOWN)}
 
 
 def _raw_telegram(whole: ReflectorDirection, _: Wires) -> Wires:
@@ -102,17 +95,17 @@ def _always_turning(whole: ReflectorDirection, _: Wires) -> Wires:
 
 
 def _always_a_reference(whole: ReflectorDirection, _: Wires) -> Wires:
-    return {_input(whole.restrictive, "reference_accepted"): TRUE}
+    return {input_of(whole.restrictive, "reference_accepted"): TRUE}
 
 
 def _balise_for_the_host(whole: ReflectorDirection, _: Wires) -> Wires:
     """The host gets the balise machine's whole interval, which no direction withdraws."""
     machine, (position, below, above) = whole.restrictive, wired_interval(whole.groups.machine)
     return {
-        _input(machine, "source_valid"): whole.groups.machine.flag("valid"),
-        _input(machine, "source_position_mm"): position,
-        _input(machine, "source_margin_below_mm"): below,
-        _input(machine, "source_margin_above_mm"): above,
+        input_of(machine, "source_valid"): whole.groups.machine.flag("valid"),
+        input_of(machine, "source_position_mm"): position,
+        input_of(machine, "source_margin_below_mm"): below,
+        input_of(machine, "source_margin_above_mm"): above,
     }
 
 
@@ -134,66 +127,35 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
 """Wires exchanged on purpose, and the claim that is no longer proved."""
 
 
-def _flag(term: Expr) -> Bool:
-    assert isinstance(term, Bool)
-    return term
-
-
-def _input(machine: Machine, name: str) -> Var:
-    [found] = [var for var in machine.inputs if isinstance(var, Var) and var.name == name]
-    return found
-
-
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the claim that is named, which the right wires keep."""
     wrong, claim = WRONG[name]
-    assert not holds(rewired(reflector_direction, compose_machines, wrong, monkeypatch), claim)
+    whole = rewired(reflector_direction, compose_machines, wrong, monkeypatch)
+    assert not holds(whole.composition, properties(whole), claim)
 
 
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
 def test_the_right_wires_keep_it(claim: str) -> None:
     """So that a refusal is due to the wire."""
-    assert holds(compose_machines(), claim)
-
-
-def holds(whole: ReflectorDirection, claim: str) -> bool:
-    """Whether a claim of the whole is inductive with the lemmas."""
-    [prop] = [one for one in properties(whole) if one.name == claim]
-    return inductive_in(whole.composition.system, prop, claim)
+    whole = compose_machines()
+    assert holds(whole.composition, properties(whole), claim)
 
 
 # ------------------------------------------------------------------ recordings
 
 
-@cache
-def recorded(name: str) -> Trace:
-    """A shipped recording, refused in the first step that breaks what is assumed."""
-    stream = read_steps(shipped(f"reflector_direction-{name}"))
-    return admissible_run(load_target("reflector_direction").system, dict(stream.first), stream.steps)
-
-
-def fired(name: str, machine: str, *transitions: str) -> list[int]:
-    """The cycles of a recording in which a machine took one of the transitions."""
-    steps = recorded(name).steps
-    return [at for at, one in enumerate(steps) if one.fired[f"{machine}.fired"] in transitions]
+RUNS = Runs("reflector_direction")
+recorded, fired = RUNS.recorded, RUNS.fired
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", COURSES)
 def test_every_interval_holds_the_truth(name: str) -> None:
     """The recording obeys every law to its end, and the front end lies in each interval that the host gets."""
-    target, trace = load_target("reflector_direction"), recorded(name)
-    assert len(trace.steps) == len(read_steps(shipped(f"reflector_direction-{name}")).steps)
-    located = 0
-    for one in trace.steps:
-        interval = target.reported.interval_mm(one.outputs) if target.reported else None
-        if interval is not None:
-            located += 1
-            assert interval[0] * NM_PER_MM <= int(one.state["truth_nm"]) <= interval[1] * NM_PER_MM
-    assert located > 50
+    assert RUNS.located(name) > 50
 
 
 @pytest.mark.thorough

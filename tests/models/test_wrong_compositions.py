@@ -109,6 +109,49 @@ def _passed_without_an_interval(of: Wired) -> Wires:
     return {of.to(f"{name}.present"): passed, of.to(name): ite(passed, place + config.antenna_mm, 0)}
 
 
+# ------------------------------------------------------------------ reflectors and direction, reflectors and route
+
+
+def _wider_of_the_reflectors(of: Wired) -> Wires:
+    """The host gets the reflector machine's wider margin on both sides, which holds the truth as well."""
+    _, below, above = of.interval("reflector")
+    sides = ("source_margin_below_mm", "source_margin_above_mm")
+    return {of.to(f"delocalized.{side}"): maximum(below, above) for side in sides}
+
+
+def _direction_unheard(of: Wired) -> Wires:
+    """Route and groups are heard, but not in cycles in which the direction contradicts."""
+    name = "reflector.route_contradicted"
+    return {of.to(name): _flag(of.right(name)) & ~of.of("travel_direction.contradicts")}
+
+
+def _read_is_accepted(of: Wired) -> Wires:
+    """A balise counts for the direction while the balise machine reports a position, whatever it makes of the telegram."""
+    return {of.to("travel_direction.balise_read"): of.of("balise.valid")}
+
+
+def _precise_reference(of: Wired) -> Wires:
+    """A measured reflector brings a position back although nobody has recognised which one it is."""
+    name = "delocalized.reference_accepted"
+    return {of.to(name): _flag(of.right(name)) | of.of("reflector.valid") & of.of("reflector.precise")}
+
+
+def _told_is_carried(of: Wired) -> Wires:
+    """The host has a position only while one branch is told: every open switch costs it."""
+    name = "delocalized.source_valid"
+    return {of.to(name): _flag(of.right(name)) & of.of("route.valid")}
+
+
+def _turns_only_where_watched(of: Wired) -> Wires:
+    """A turn counts only while the image is watched, when none is decided yet."""
+    name = "route.course_taken"
+    return {of.to(name): ite(of.of("turn_off.watching"), _number(of.right(name)), _zero(of, name))}
+
+
+def _first_candidate_only(of: Wired) -> Wires:
+    return {of.to(f"route.route_{one}_candidate"): FALSE for one in (2, 3, 4)}
+
+
 # ------------------------------------------------------------------ fibre area
 
 
@@ -293,6 +336,7 @@ def _zero(of: Wired, name: str) -> Lit:
 _ENDS = "a train is untrusted only for what is said of it"
 _LACKS = "a train is withheld only for what is missing"
 _INTERVAL, _REASON = "the host gets its source's interval", "the host is told its source's reason"
+_CONTRADICTS = "direction, route and groups contradict, and nothing else"
 _REFERENCES = "arbitration hears each reference and each reason"
 WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("supervised_odometry", _wider_side_for_both, _INTERVAL),
@@ -301,6 +345,19 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("marker_device", _no_reason, _REASON),
     ("marker_device", _guards_interval_for_the_host, _INTERVAL),
     ("marker_device", cut("guard.advance"), "time passes for the guard in every cycle"),
+    ("reflector_direction", _wider_of_the_reflectors, "the host gets the reflector machine's interval"),
+    ("reflector_direction", _direction_unheard, "a contradicted direction withdraws the position"),
+    ("reflector_direction", cut("reflector.route_contradicted"), _CONTRADICTS),
+    ("reflector_direction", _read_is_accepted, "the direction counts accepted groups"),
+    ("reflector_direction", cut("travel_direction.balise_read"), "the direction counts accepted groups"),
+    ("reflector_direction", cut("travel_direction.backwards"), "a vehicle turns only where it is measured to"),
+    ("reflector_direction", _precise_reference, "only a reference in the permitted direction ends a loss"),
+    ("reflector_route", _wider_of_the_reflectors, "the host gets the reflector machine's interval"),
+    ("reflector_route", cut("line.route_contradicted"), "a lost route withdraws the position"),
+    ("reflector_route", _told_is_carried, "the host gets every position on a route that is carried"),
+    ("reflector_route", _turns_only_where_watched, "the route hears the course at a switch"),
+    ("reflector_route", _first_candidate_only, "the map's routes are candidates"),
+    ("reflector_route", _precise_reference, "only an accepted group or a reflector ends a loss"),
     ("fibre_area", cut("verification.chain_failed"), "a chain that failed is latched"),
     ("fibre_area", _never_tested, _LACKS),
     ("fibre_area", _failed_until_tested, _ENDS),

@@ -1,0 +1,333 @@
+"""Reflectors with the route: a lost route ends the position, wrong wires are not proved, the recordings say what they teach."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.language.expr import FALSE, TRUE, any_of, as_num, ite, minimum
+from safeloc.language.units import MM, NM, NM_PER_MM
+from safeloc.models import reflector_route
+from safeloc.models.reflector.world import PRESCRIBED, READING
+from safeloc.models.reflector_route import ReflectorRoute, ReflectorRouteConfig, compose_machines
+from safeloc.models.reflector_route.simulate import COURSES, write
+from safeloc.models.route.variables import CONTRADICTION, RouteConfig
+from safeloc.models.route.world import AT_THE_START
+from safeloc.models.turn_off import LEFT, UNDECIDED, TurnOffConfig
+from safeloc.models.turn_off.seen_course import TAKEN
+from safeloc.models.turn_off.world import GIVEN
+from safeloc.models.vocabulary.absent import wired_interval
+from safeloc.models.vocabulary.reasons import CONTRADICTION as CONTRADICTED
+from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.proof.provers.implication import Refuted
+from safeloc.properties.reflector_route import properties
+from tests.models.composed_devices import Runs, flag, holds, input_of
+from tests.models.owed_contracts import Wires, contract, rewired
+from tests.shipped_recordings import shipped
+
+Wrong = Callable[[ReflectorRoute, Wires], Wires]
+"""The wires that are wrong, of the device and of its right wires."""
+
+
+# ------------------------------------------------------------------ contracts
+
+
+def test_only_the_laws_of_sensors_and_map_are_assumed() -> None:
+    """What is said of a start, a turn, a switch, a reading and the reported interval is owed; nothing that a machine gives is an input."""
+    system = compose_machines().composition.system
+    owed = {part.name: part.guaranteed for part in system.parts if part.guaranteed}
+    assert {
+        "turn_off": (GIVEN,), "route": (AT_THE_START, TAKEN), "reflector": (READING, PRESCRIBED),
+        "delocalized": ("a valid position holds the truth",),
+    } == owed  # fmt: skip
+    left = {var.name for var in system.inputs}
+    given = ("route.sighting", "route.start_error", "route.course_taken", "route.odometer", "route.start_truth")
+    assert not {name for name in left if name.startswith((*given, "reflector.balise", "delocalized.", "turn_off.pos"))}
+    assert not left & {"line.route_contradicted", "turn_off.switch_position_mm", "route.route_1_candidate"}
+    assert {"echo_1_range_mm", "echo_1_model", "frame_present", "starts.routes_ahead", "route.authorised_route"} <= left
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize(
+    ("owner", "lemma"),
+    [
+        ("route", "balise: the interval holds the truth"),
+        ("reflector", "balise: the interval holds the truth"),
+        ("delocalized", "reflector: a dead-reckoned interval holds the truth"),
+    ],
+)
+def test_each_contract_follows_from_the_machines_before(owner: str, lemma: str) -> None:
+    """And not without their containment."""
+    whole = compose_machines()
+    assert None is contract(whole.composition, owner)
+    assert isinstance(contract(whole.composition, owner, lemma), Refuted)
+
+
+# ------------------------------------------------------------------ wires exchanged on purpose
+
+
+def _loss_unheard(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Only the movement authority's route and course withdraw the position."""
+    astray = whole.course.machine.flag("contradicts") | whole.route.machine.flag("refutes_authority")
+    return {whole.line.contradicted: astray}
+
+
+def _only_contradictions(whole: ReflectorRoute, right: Wires) -> Wires:
+    """A route that is lost for its width, or for the odometer, keeps the position."""
+    *_, lost = whole.route.machine.modes
+    other = whole.route.machine.mode.eq(lost) & whole.route.own.reason.ne(CONTRADICTION)
+    return {whole.line.contradicted: flag(right[whole.line.contradicted]) & ~other}
+
+
+def _authority_unheard(whole: ReflectorRoute, _: Wires) -> Wires:
+    *_, lost = whole.route.machine.modes
+    return {whole.line.contradicted: whole.route.machine.mode.eq(lost)}
+
+
+def _undecided_contradicts(whole: ReflectorRoute, right: Wires) -> Wires:
+    """Every switch behind which the branch is open costs the position."""
+    _, undecided, *_ = whole.route.machine.modes
+    heard = whole.line.contradicted
+    return {heard: flag(right[heard]) | whole.route.machine.mode.eq(undecided)}
+
+
+def _without_a_route(whole: ReflectorRoute, _: Wires) -> Wires:
+    return {input_of(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
+
+
+def _no_reason(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Without a branch the host is told the reason of the reflector machine, which only says that it was contradicted."""
+    return {input_of(whole.restrictive, "source_reason"): CONTRADICTED}
+
+
+def _raw_telegram(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Routes begin at whatever group the antenna read."""
+    return {whole.route.own.start_error.present: whole.groups.own.read.group.present & whole.starts.place.present}
+
+
+def _nearer_end(whole: ReflectorRoute, right: Wires) -> Wires:
+    """The error at a start is the distance to the nearer end of the interval."""
+    begun, place = flag(right[whole.route.own.start_error.present]), whole.starts.place.value
+    position, below, above = wired_interval(whole.groups.machine)
+    nearer = minimum(position + above - place, place - (position - below))
+    return {whole.route.own.start_error.value: ite(begun & (nearer >= 0), nearer, 0)}
+
+
+def _only_margins(whole: ReflectorRoute, right: Wires) -> Wires:
+    """The error at a start is the balise machine's margin, as if the vehicle stood over the start."""
+    begun, (_, below, above) = flag(right[whole.route.own.start_error.present]), wired_interval(whole.groups.machine)
+    return {whole.route.own.start_error.value: ite(begun, ite(below > above, below, above), 0)}
+
+
+def _at_the_start(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Distances are counted from where the vehicle is, not from the start's place."""
+    return {whole.route.own.ghosts.start_truth: as_num(0, NM)}
+
+
+def _however_many(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Of more routes than are carried those that have a number are carried."""
+    return {one.candidate: mapped for one, mapped in zip(whole.route.own.routes, whole.starts.candidates, strict=True)}
+
+
+def _course_unheard(whole: ReflectorRoute, _: Wires) -> Wires:
+    return {whole.route.own.course_taken: UNDECIDED}
+
+
+def _always_left(whole: ReflectorRoute, _: Wires) -> Wires:
+    return {whole.route.own.course_taken: LEFT}
+
+
+def _course_by_the_line(whole: ReflectorRoute, _: Wires) -> Wires:
+    """The course is judged by the whole line, as if there were no position."""
+    own = whole.course.own
+    return {own.low: as_num(own.low.low, MM), own.high: as_num(own.high.high, MM)}
+
+
+def _switch_given_late(whole: ReflectorRoute, _: Wires) -> Wires:
+    """A switch that the interval may have reached."""
+    given, raw = whole.course.own.switch_position, whole.starts.switch_position
+    return {given.present: raw.present, given.value: raw.value}
+
+
+def _weak_echoes(whole: ReflectorRoute, _: Wires) -> Wires:
+    """An echo that shows a model is a sighting, however weak it is."""
+    shown = any_of(one.range.present & one.model.ne(NO_MODEL) for one in whole.radar.slots)
+    return {whole.route.own.sighting_range.present: whole.radar.sighted | shown}
+
+
+def _error_of_the_echo(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Without the radar's systematic error, its latency and the survey."""
+    alone = whole.radar.error - whole.config.sighting_error_mm
+    return {whole.route.own.sighting_error: ite(whole.radar.sighted, alone, 0)}
+
+
+def _nothing_sighted(whole: ReflectorRoute, _: Wires) -> Wires:
+    own = whole.route.own
+    return {own.sighting_range.present: FALSE, own.sighting_range.value: as_num(0, MM), own.sighting_model: NO_MODEL}
+
+
+def _always_a_reference(whole: ReflectorRoute, _: Wires) -> Wires:
+    return {input_of(whole.restrictive, "reference_accepted"): TRUE}
+
+
+def _balise_for_the_host(whole: ReflectorRoute, _: Wires) -> Wires:
+    """The host gets the balise machine's whole interval, which no route withdraws."""
+    machine, (position, below, above) = whole.restrictive, wired_interval(whole.groups.machine)
+    return {
+        input_of(machine, "source_valid"): whole.groups.machine.flag("valid"),
+        input_of(machine, "source_position_mm"): position,
+        input_of(machine, "source_margin_below_mm"): below,
+        input_of(machine, "source_margin_above_mm"): above,
+    }
+
+
+_LOST, _START = "a lost route withdraws the position", "a route begins at every accepted group that is a start"
+_SIGHTING = "a sighting is an echo that the reflector machine hears"
+_NOTHING_ELSE = "route, course and groups contradict, and nothing else"
+WRONG: Mapping[str, tuple[Wrong, str]] = {
+    "a lost route unheard": (_loss_unheard, _LOST),
+    "only contradictions withdraw": (_only_contradictions, _LOST),
+    "a refuted authority unheard": (_authority_unheard, "a refuted authority withdraws the position"),
+    "an undecided switch contradicts": (_undecided_contradicts, _NOTHING_ELSE),
+    "a position without a route": (_without_a_route, "no position without a branch"),
+    "one reason for all": (_no_reason, "the host is told why no branch is carried"),
+    "a raw telegram begins a route": (_raw_telegram, _START),
+    "the nearer end of the interval": (_nearer_end, "contract of route"),
+    "margins without the distance from the start": (_only_margins, "contract of route"),
+    "distances from where the vehicle is": (_at_the_start, "a start holds the front end"),
+    "more routes than are carried": (_however_many, "more branches than are carried are no position"),
+    "the turn unheard": (_course_unheard, "the route hears the course at a switch"),
+    "every turn to the left": (_always_left, "contract of route"),
+    "the course by the whole line": (_course_by_the_line, "the course is judged by the balise machine's interval"),
+    "a switch given late": (_switch_given_late, "contract of turn_off"),
+    "weak echoes are sightings": (_weak_echoes, _SIGHTING),
+    "the echo's error alone": (_error_of_the_echo, _SIGHTING),
+    "nothing is sighted": (_nothing_sighted, _SIGHTING),
+    "every cycle a reference": (_always_a_reference, "only an accepted group or a reflector ends a loss"),
+    "the balise's interval for the host": (_balise_for_the_host, "the host gets the reflector machine's interval"),
+}
+"""Wires exchanged on purpose, and what is no longer proved: a contract, or a claim of the whole."""
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is refused by the contract or the claim that is named, which the right wires keep."""
+    wrong, claim = WRONG[name]
+    whole = rewired(reflector_route, compose_machines, wrong, monkeypatch)
+    assert not holds(whole.composition, properties(whole), claim)
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
+def test_the_right_wires_keep_it(claim: str) -> None:
+    """So that a refusal is due to the wire."""
+    whole = compose_machines()
+    assert holds(whole.composition, properties(whole), claim)
+
+
+# ------------------------------------------------------------------ recordings
+
+
+RUNS = Runs("reflector_route")
+recorded, fired = RUNS.recorded, RUNS.fired
+
+
+def told(name: str) -> list[int]:
+    """In each cycle of a recording the route that is told, 0 for none."""
+    return [int(one.outputs["route.route"]) for one in recorded(name).steps]
+
+
+def restrictive(name: str) -> list[bool]:
+    """In each cycle of a recording whether the host gets no position."""
+    return [bool(one.outputs["delocalized.restrictive"]) for one in recorded(name).steps]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", COURSES)
+def test_every_interval_holds_the_truth_and_every_branch_is_true(name: str) -> None:
+    """The recording obeys every law to its end; the front end lies in each interval of the host, and on each branch that is told."""
+    assert RUNS.located(name) > 50
+    true = [int(one.state["route.true_route"]) for one in recorded(name).steps]
+    assert any(told(name))
+    assert all(number in (0, branch) for number, branch in zip(told(name), true, strict=True))
+
+
+@pytest.mark.thorough
+def test_a_turn_that_is_seen_decides() -> None:
+    """The sighting of a reflector that both branches have does not; the host keeps its position throughout."""
+    [begun], [turned] = (
+        fired("turn-off", "route", "start on several routes"),
+        fired("turn-off", "turn_off", "turns left"),
+    )
+    assert [turned] == fired("turn-off", "route", "one route is left")
+    assert [0] * turned == told("turn-off")[:turned]
+    assert {2} == set(told("turn-off")[turned:])
+    assert [begun] == fired("turn-off", "delocalized", "reference accepted")
+    assert not any(restrictive("turn-off")[begun:])
+
+
+@pytest.mark.thorough
+def test_an_undecided_switch_leaves_both_branches() -> None:
+    """They are carried over the switch and far behind it, with a position, until a reflector is sighted that one of them lacks."""
+    [begun], [decided] = (fired("undecided", "route", one) for one in ("start on several routes", "one route is left"))
+    steps = recorded("undecided").steps[begun:decided]
+    assert all(one.outputs["route.route_1_possible"] and one.outputs["route.route_2_possible"] for one in steps)
+    assert any(int(one.state["truth_nm"]) > 500_000 * NM_PER_MM for one in steps)
+    assert not any(restrictive("undecided")[begun:])
+    assert {2} == set(told("undecided")[decided:])
+
+
+@pytest.mark.thorough
+def test_a_lost_route_ends_the_position_in_its_cycle() -> None:
+    """At host and reflector machine, up to the group at which routes begin again."""
+    [lost], [begun] = fired("lost", "route", "no route fits"), fired("lost", "route", "start on one route")
+    assert lost < begun
+    assert [lost] == fired("lost", "reflector", "route contradicted")
+    assert [lost] == fired("lost", "delocalized", "position lost")
+    gone = recorded("lost").steps[lost:begun]
+    assert all(one.outputs["delocalized.restrictive"] and not one.outputs["reflector.valid"] for one in gone)
+    assert begun in fired("lost", "delocalized", "reference accepted")
+    assert not any(restrictive("lost")[begun:])
+    assert {3} == set(told("lost")[begun:])
+
+
+@pytest.mark.thorough
+def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
+    """To the byte."""
+    for path in write(tmp_path):
+        assert shipped(path.name.removesuffix(".jsonl.gz")).read_bytes() == path.read_bytes()
+
+
+# ------------------------------------------------------------------ configuration
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"route": RouteConfig()}, r"route\.routes is 5: no more than 4 are carried; lower it"),
+        (
+            {"route": RouteConfig(routes=4, range_limit_mm=200_000)},
+            r"route\.range_limit_mm 200000 is below reflector\.range_limit_mm 300000",
+        ),
+        (
+            {"route": RouteConfig(routes=2, period_ms=50)},
+            r"route\.period_ms is 50, but the vehicle's is 100 \(motion, reflector\); make them the same",
+        ),
+        (
+            {"route": RouteConfig(routes=2, checked_distance=True)},
+            r"route\.checked_distance is True, but the vehicle's is False",
+        ),
+        (
+            {"turn_off": TurnOffConfig(position_limit_mm=5_000)},
+            r"turn_off\.position_limit_mm is 5000, but the vehicle's is 1000000000",
+        ),
+    ],
+)
+def test_figures_that_do_not_fit_are_refused(changed: dict[str, object], message: str) -> None:
+    """One vehicle has one cycle and one line, and no more than four routes are carried; the message says what to do."""
+    with pytest.raises(ValidationError, match=message):
+        ReflectorRouteConfig(**changed)  # type: ignore[arg-type]
