@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from safeloc.assurance.evidence import effects
 from safeloc.assurance.evidence.effects import End, effect
 from safeloc.assurance.evidence.interval import HOLDS
 from safeloc.assurance.law_ids import ids_of
 from safeloc.catalogue import load_target
 from safeloc.language.spec import observe
-from safeloc.language.verdict import word
+from safeloc.language.verdict import Unknown, word
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, without
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove_one
@@ -57,7 +58,6 @@ def test_the_train_of_a_record_stays_the_same_by_the_wires() -> None:
         ("arbitration", "arbitration/A5", {"containment"}, "wrong"),
         ("satellite_drift", "satellite/position/A1", {"common drift is bounded"}, "wrong"),
         ("satellite_drift", "satellite_drift/position/A6", {"common drift is bounded"}, "wrong"),
-        ("fibre_timed", "fibre/A11", set(), "wrong"),
         ("axle_counter", "axle_counter/A6", {"length is true", "place is true", "count is true"}, "hazard"),
     ],
 )
@@ -66,3 +66,14 @@ def test_its_effect_is_decided(name: str, broken: str, claims: set[str], end: En
     target = load_target(name)
     one = effect(target, (law(target, broken),), claims | {HOLDS}, LIMITS)
     assert (end, (), claims) == (one.end, one.open_, {*one.lost})
+
+
+@pytest.mark.thorough
+def test_a_wrong_interval_is_searched_for_from_known_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A false code word shows after five sections: farther than a bounded search from the first states comes; here it finds nothing at all."""
+    target = load_target("fibre_timed")
+    monkeypatch.setattr(effects, "prove_one", lambda *_: Unknown("limit reached"))
+    one = effect(target, (law(target, "fibre/A11"),), {HOLDS}, LIMITS)
+    assert "wrong" == one.end
+    assert one.run is not None
+    assert one.run.cycles > 10
