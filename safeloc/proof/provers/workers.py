@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gc
 import multiprocessing
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -17,7 +18,6 @@ from multiprocessing.context import ForkContext, ForkProcess
 from typing import Any
 
 from safeloc.errors import EngineError
-from safeloc.proof.provers.before_forking import renew
 from safeloc.proof.provers.slots import shared
 
 _MOST_IN_A_PROCESS = 16
@@ -219,7 +219,9 @@ def _following(pipe: Connection) -> int | None:
         index: int | None = pipe.recv()
     except (EOFError, OSError):
         return None
-    if index is not None:
+    if index is not None and "z3" in sys.modules:  # it is loaded by who proves, and not by who lists what there is
+        from safeloc.proof.provers.before_forking import renew
+
         renew()
     return index
 

@@ -11,6 +11,7 @@ import pytest
 import z3
 
 from safeloc.errors import EngineError
+from safeloc.proof.provers.before_forking import renew
 from safeloc.proof.provers.workers import Lost, Queue, Task, in_processes
 
 
@@ -98,7 +99,7 @@ def test_solvers_begin_anew_for_a_task_that_follows() -> None:
     def numbers() -> tuple[int, int]:
         return os.getpid(), z3.Int("x").get_id() + z3.Solver().num_scopes()
 
-    z3.main_ctx()
+    renew()  # as in a process that has proved nothing yet
     queue = Queue(1)
     for number in range(3):
         queue.add(Task(str(number), numbers, 30.0, follows=True))
