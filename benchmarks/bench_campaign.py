@@ -103,7 +103,7 @@ def shares() -> None:
 
 def workers() -> None:
     """Print the time on the clock, the start of the workers included, of one process and of some workers."""
-    campaign = declared("odometry", 60)
+    campaign = declared("odometry", 120)
     print("| where | seconds | as a share of one process |\n|---|---|---|")
     base = 0.0
     for name, where in (

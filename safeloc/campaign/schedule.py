@@ -130,6 +130,11 @@ def _on_workers(
             running |= {handed_out(number) for number in islice(waiting, 1)}
 
 
+_ENVIRONMENT = "distributed.nanny.pre-spawn-environ"
+_TRIM = "MALLOC_TRIM_THRESHOLD_"
+"""Dask lets workers return each freed page of memory at once; arrays of every cycle then take new pages, and a third of the time."""
+
+
 def _numbered(text: str, name: str, number: int) -> tuple[int, bytes]:
     return number, run_shard(text, name, number)
 
@@ -155,6 +160,7 @@ def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
     settings = {
         "distributed.scheduler.allowed-failures": _ATTEMPTS,
         "distributed.deploy.lost-worker-timeout": "1 hour",  # a killed worker starts again by itself, on a busy computer slowly
+        _ENVIRONMENT: {name: value for name, value in config.get(_ENVIRONMENT).items() if name != _TRIM},
     }
     with config.set(settings):
         if where.scheduler is not None:
