@@ -99,10 +99,13 @@ def test_solvers_begin_anew_for_a_task_that_follows() -> None:
     def numbers() -> tuple[int, int]:
         return os.getpid(), z3.Int("x").get_id() + z3.Solver().num_scopes()
 
-    renew()  # as in a process that has proved nothing yet
+    def first_numbers() -> tuple[int, int]:
+        renew()  # as in a process that has proved nothing yet; this one is a fork of the tests
+        return numbers()
+
     queue = Queue(1)
-    for number in range(3):
-        queue.add(Task(str(number), numbers, 30.0, follows=True))
+    for number, work in enumerate((first_numbers, numbers, numbers)):
+        queue.add(Task(str(number), work, 30.0, follows=True))
     [(process, first), *others] = _processes(queue)
     assert [(process, first)] * 2 == others
 
