@@ -39,7 +39,8 @@ class Profile:
         self._system, self._kind, self.draw = system, kind, draw
         self._numbers = [var for var in system.inputs if isinstance(var, NumVar)]
         self._together = draw.random() < 0.85
-        self._level = {self._group(var): _level(var, draw) for var in self._numbers}
+        self._groups = {var: self._group(var) for var in self._numbers}
+        self._level = {group: _level(var, draw) for var, group in self._groups.items()}
         self._change = {group: draw.uniform(-1, 1) * (group[2] - group[1]) / 200 for group in self._level}
         self._missing = {option.value: draw.choice((0.0, 0.02, 0.5, 0.95, 1.0)) for option in system.optionals}
         related = {option.value for option in system.optionals} | {var for var in self._numbers if var.unit is COUNT}
@@ -108,7 +109,7 @@ class Profile:
         return 0.0 if self._kind == "zero" else self._scale
 
     def _moved(self, var: NumVar) -> float:
-        group = self._group(var)
+        group = self._groups[var]
         level, kind = self._level[group], self._kind
         if kind in ("ramp", "stuck", "scaled") and var is not self._at_fault:
             return level + self._number * self._change[group]

@@ -178,6 +178,11 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem,
             raise AssertionError(packed)
 
 
+def steps_of(packed: Packed) -> int:
+    """Return the number of steps of a packed verdict's run; 0 without a run."""
+    return max((len(part.stream) for part in packed if isinstance(part, PackedTrace)), default=0)
+
+
 def pack_base(known: Base) -> Packed:
     """Return a proved base as plain data: facts by key, the rest unchanged."""
     always, facts = tuple(known.always), tuple(known.facts)
