@@ -127,7 +127,8 @@ def test_a_known_run_that_begins_another_one_is_not_made_again() -> None:
         alone = Driver(_counter(), [never_six], [run(_counter(), _pressed(times))])
         driver.follow(number)
         alone.follow(0)
-        assert (driver.stream, driver.state(), driver.broken) == (alone.stream, alone.state(), alone.broken)
+        assert (driver.stream, driver.broken) == (alone.stream, alone.broken)
+        assert list(driver.state().values()) == list(alone.state().values())
     other = [run(_counter(), [*_pressed(3), {"p": False}]), run(_counter(), _pressed(4))]
     assert Driver(_counter(), [never_six], other).statistics.known == 8
 
