@@ -123,9 +123,9 @@ def test_a_known_run_that_begins_another_one_is_not_made_again() -> None:
     lengths = (9, 3, 6, 0, 7)
     driver = Driver(_counter(), [never_six], [run(_counter(), _pressed(times)) for times in lengths])
     assert driver.statistics.known == 6
-    for number, times in enumerate(lengths):
+    for which, times in enumerate(lengths):
         alone = Driver(_counter(), [never_six], [run(_counter(), _pressed(times))])
-        driver.follow(number)
+        driver.follow(which)
         alone.follow(0)
         assert (driver.stream, driver.broken) == (alone.stream, alone.broken)
         assert list(driver.state().values()) == list(alone.state().values())

@@ -8,7 +8,6 @@ from multiprocessing.connection import Connection
 
 from safeloc.proof.provers.collection import collect_rarely
 
-
 PYTHONS_OWN = (700, 10, 10)
 
 
