@@ -24,6 +24,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, observe, watch
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world
 from safeloc.language.trace import Trace
+from safeloc.proof.drawn_runs.allowed import row_of
 from safeloc.proof.drawn_runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
 from safeloc.proof.drawn_runs.occurring import Key, Occurring
 from safeloc.proof.drawn_runs.profiles import Profile
@@ -170,7 +171,7 @@ class Driver:
         self._rows: list[Row] = []
         self.broken: Property | None = None
         self._place: tuple[object, ...] = ()
-        self._repair = Repair(system)
+        self._repair, self._row = Repair(system), row_of(system.inputs)
         self._usual = _usual(system, corpus)
         self.statistics = Statistics()
         self._stretches: dict[object, _Stretch] = {}
@@ -233,7 +234,7 @@ class Driver:
             if self.kept and not faulty and inputs is not None:
                 inputs = self._mended(values, inputs, profile.draw, profile.pick)
             if inputs is not None:
-                self._step(tuple(inputs[var] for var in self.system.inputs))
+                self._step(tuple(self._row(inputs)))
         self.statistics.seconds += time.perf_counter() - started
 
     @property
