@@ -88,7 +88,7 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
     if trace is None:
         return None
     part = trace.system.machines[0].name if trace.system.composition else ""
-    return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), part)
+    return PackedTrace(trace.initial, tuple(step.inputs for step in trace.steps), part)  # a shared step is sent once
 
 
 def unpack_trace(packed: PackedTrace | None, system: TransitionSystem, again: Again | None = None) -> Trace | None:
