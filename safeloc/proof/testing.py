@@ -39,6 +39,8 @@ from safeloc.proof.results import Finding
 
 STRETCHES = 8
 PHASES = (Phase.explicit, Phase.generate, Phase.target)
+_DRAWN_TO_PREPARE = 100
+"""Numbers of which each is drawn from the constants with a probability of 0.05: at least one is, by the seed."""
 
 
 class _Run(RuleBasedStateMachine):  # type: ignore[misc, unused-ignore]
@@ -123,6 +125,21 @@ class PropertyBroken(AssertionError):
     def __init__(self, prop: Property, trace: Trace) -> None:
         super().__init__(f"{prop.name}: {prop.statement}\n{trace.table()}")
         self.prop, self.trace = prop, trace
+
+
+def prepare() -> None:
+    """Let Hypothesis read the constants in all loaded modules once, for every process that is forked from this one.
+
+    It draws some of them in place of a number, and reads the modules as soon as it first does so.
+    """
+
+    @hypothesis.seed(0)
+    @hypothesis.settings(database=None, deadline=None, max_examples=_DRAWN_TO_PREPARE, phases=(Phase.generate,))
+    @hypothesis.given(st.integers(0, 2**16))
+    def drawn(_: int) -> None:
+        pass
+
+    drawn()
 
 
 def state_machine_test(

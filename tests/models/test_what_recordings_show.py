@@ -60,7 +60,7 @@ def shown(machine: str) -> dict[str, set[tuple[str, object]]]:
     replay, plain, found = Replay(target.system, cases), without_ghosts(target.system), {}
     for path in target.streams:
         stream = read_steps(path)
-        occurring = replay.first_times(Recording(stream.first, stream.steps))
+        occurring = replay.first_times(list(replay.states(Recording(stream.first, stream.steps))))
         found[name_of(path)] = {*happens(plain, stream), *(("case", number) for number in occurring)}
     return found
 

@@ -10,6 +10,7 @@ import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from operator import itemgetter
 
 from safeloc.codegen.compiled import compile_terms
@@ -33,7 +34,7 @@ class Condition:
     def __init__(self, term: Bool) -> None:
         self.term = term
         self.reads: dict[Var, int] = {var: place for place, var in enumerate(variables([term]))}
-        self._row = _row_of(tuple(self.reads))
+        self._row = row_of(tuple(self.reads))
         self._below = _variables_below(term)
         self._compares = [node for node in self._below if isinstance(node, Compare)]
         self._along: dict[Var, _Along] = {}
@@ -93,7 +94,7 @@ class Together:
         self,
     ) -> tuple[Callable[[Mapping[Var, Value]], Sequence[Value]], Callable[[Sequence[Value]], Sequence[Value]]]:
         reads = tuple(dict.fromkeys(var for one in self.conditions for var in one.reads))
-        return _row_of(reads), compiled_terms(reads, [one.term for one in self.conditions])
+        return row_of(reads), compiled_terms(reads, [one.term for one in self.conditions])
 
     def holds(self, values: Mapping[Var, Value]) -> Sequence[Value]:
         """Return the truth of each condition for the values."""
@@ -107,11 +108,13 @@ class Allowed:
     def __init__(self, var: NumVar, conditions: Sequence[Condition]) -> None:
         self._var = var
         kinds = [one.straight(var) for one in conditions]
-        self._straight = [kind for kind in kinds if kind is not None]
+        straight = [kind for kind in kinds if kind is not None]
         self._bent = [one for one, kind in zip(conditions, kinds, strict=True) if kind is None]
-        terms = [part for kind in self._straight for part in kind.parts]
+        terms = [part for kind in straight for part in kind.parts]
+        places = accumulate((len(kind.parts) for kind in straight), initial=0)
+        self._straight = list(zip(straight, places, strict=False))
         reads = tuple(variables(terms))
-        self._row, self._code = _row_of(reads), compiled_terms(reads, terms)
+        self._row, self._code = row_of(reads), compiled_terms(reads, terms)
         self._together = Together(self._bent)
 
     def some(
@@ -144,16 +147,15 @@ class Allowed:
         return self._narrowed(values, self._straight_segments(values, within or (self._var.low, self._var.high)))
 
     def _straight_segments(self, values: Mapping[Var, Value], within: Segment) -> Sequence[Segment]:
-        var, here = self._var, int(values[self._var])
-        numbers, begin = self._code(self._row(values)), 0
-        found: Sequence[Segment] = [within]
-        for kind in self._straight:
-            end = begin + len(kind.parts)
-            if not numbers[begin]:
-                found = common(found, kind.segments(numbers[begin:end], var, here))
-                if not found:
-                    return found
-            begin = end
+        here, numbers = int(values[self._var]), self._code(self._row(values))
+        found: Sequence[Segment] = (within,)
+        for kind, at in self._straight:
+            if numbers[at]:
+                continue
+            kept = kind.segments(numbers, at, here, (found[0][0], found[-1][1]))
+            found = kept if len(found) == 1 else common(found, kept)
+            if not found:
+                return found
         return found
 
     def _narrowed(
@@ -257,7 +259,7 @@ def _along(
     )
 
 
-def _row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
+def row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Value]]:
     """Return a function for the values of `reads`, in order; `itemgetter` gives no sequence for fewer than two."""
     if len(reads) > 1:
         return itemgetter(*reads)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import random
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -24,6 +24,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.spec import Property, observe, watch
 from safeloc.language.system import TransitionSystem, environment, first_without_the_world
 from safeloc.language.trace import Trace
+from safeloc.proof.drawn_runs.allowed import row_of
 from safeloc.proof.drawn_runs.lawful import NoFirstStateError, Pick, Repair, begins, first_state
 from safeloc.proof.drawn_runs.occurring import Key, Occurring
 from safeloc.proof.drawn_runs.profiles import Profile
@@ -84,6 +85,17 @@ class _Known:
     states: tuple[Row, ...]
     kept: tuple[Sequence[bool], ...]
     breaks: bool
+
+    def begins_with(self, rows: Sequence[Row]) -> bool:
+        """Return whether a run of these inputs, from the same first state, is the beginning of this one, or all of it up to the break."""
+        there = len(self.rows)
+        return self.rows[: len(rows)] == tuple(rows[:there]) and (self.breaks or len(rows) <= there)
+
+    def beginning(self, steps: int) -> _Known:
+        """Return the first steps, as a run of its own."""
+        steps = min(steps, len(self.rows))
+        breaks = self.breaks and steps == len(self.rows)
+        return _Known(self.first, self.rows[:steps], self.states[: steps + 1], self.kept[: steps + 1], breaks)
 
 
 @dataclass(frozen=True)
@@ -159,12 +171,12 @@ class Driver:
         self._rows: list[Row] = []
         self.broken: Property | None = None
         self._place: tuple[object, ...] = ()
-        self._repair = Repair(system)
+        self._repair, self._row = Repair(system), row_of(system.inputs)
         self._usual = _usual(system, corpus)
         self.statistics = Statistics()
         self._stretches: dict[object, _Stretch] = {}
         self._remembered = 0
-        self._known = [self._recorded(trace) for trace in corpus]
+        self._known = self._all_recorded(corpus)
         self.reset()
 
     def reset(self, first: Mapping[str, Value] | None = None) -> None:
@@ -222,7 +234,7 @@ class Driver:
             if self.kept and not faulty and inputs is not None:
                 inputs = self._mended(values, inputs, profile.draw, profile.pick)
             if inputs is not None:
-                self._step(inputs)
+                self._step(tuple(self._row(inputs)))
         self.statistics.seconds += time.perf_counter() - started
 
     @property
@@ -271,12 +283,13 @@ class Driver:
         self.statistics.refused += repaired is None
         return repaired
 
-    def _step(self, inputs: Mapping[Var, Value]) -> None:
-        kept, tail = self._kept, len(self.goals) + 1
-        before, row = self._state, tuple(inputs[var] for var in self.system.inputs)
+    def _step(self, row: Row) -> None:
+        before = self._state
         state, fired = self._code.step(before, row)
         self._state = state
-        self._kept = [was and bool(now) for was, now in zip(kept, state[-tail:], strict=True)]
+        now = state[-len(self.goals) - 1 :]
+        if not all(now):
+            self._kept = [was and bool(one) for was, one in zip(self._kept, now, strict=True)]
         self._rows.append(row)
         self._judge()
         self._count(fired)
@@ -284,6 +297,8 @@ class Driver:
 
     def _judge(self) -> None:
         goods = self._code.outputs(self._state)
+        if all(goods):
+            return
         for number, (prop, good) in enumerate(zip(self.properties, goods, strict=True)):
             if not good and self._required(number):
                 self.broken = prop
@@ -309,16 +324,29 @@ class Driver:
         done.deepest = max(done.deepest, self.steps)
         done.fired.update(self._code.fired(fired))
 
-    def _recorded(self, trace: Trace) -> _Known:
-        self.first = dict(trace.initial)
+    def _all_recorded(self, corpus: Sequence[Trace]) -> list[_Known]:
+        """Run the corpus, the longest run first: one that another run begins with is a part of it, and is not made again."""
+        known, longer = dict[int, _Known](), defaultdict[object, list[_Known]](list)
+        for number, trace in sorted(enumerate(corpus), key=lambda one: -len(one[1].steps)):
+            rows = [tuple(step.inputs[var.name] for var in self.system.inputs) for step in trace.steps]
+            alike = longer[tuple(sorted(trace.initial.items()))]
+            whole = next((one for one in alike if one.begins_with(rows)), None)
+            if whole is None:
+                whole = self._recorded(trace.initial, rows)
+                alike.append(whole)
+            known[number] = whole.beginning(len(rows))
+        return [known[number] for number in range(len(corpus))]
+
+    def _recorded(self, first: Mapping[str, Value], rows: Sequence[Row]) -> _Known:
+        self.first = dict(first)
         lawful = begins(self.system, self.first)
         self._start(self._code.first(dict(self.first)), [], [*[True] * len(self.goals), lawful])
         started = time.perf_counter()
         states, kept = [self._state], [self._kept]
-        for record in trace.steps:
+        for row in rows:
             if self.broken is not None:
                 break
-            self._step({var: record.inputs[var.name] for var in self.system.inputs})
+            self._step(row)
             states.append(self._state)
             kept.append(self._kept)
         self.statistics.known += self.steps

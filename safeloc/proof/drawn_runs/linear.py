@@ -27,21 +27,25 @@ class Straight:
     parts: tuple[Expr, ...]
     kinds: tuple[str, ...]
 
-    def segments(self, numbers: Sequence[Value], var: NumVar, here: int) -> list[Segment]:
-        """Return the intervals in which the disjunction holds, in order, for the values of its parts where the variable is `here`."""
-        low, high = var.low, var.high
-        if numbers[0]:
-            return [(low, high)]
+    def segments(self, numbers: Sequence[Value], at: int, here: int, within: Segment) -> Sequence[Segment]:
+        """Return the intervals in which the disjunction holds, in order, of those `within`.
+
+        numbers  values where the variable is `here`; those of the parts stand from place `at` on
+        """
+        low, high = within
+        if numbers[at]:
+            return (within,)
         found = list[Segment]()
-        for place, op in enumerate(self.kinds):
-            for begin, end in _kept(here, int(numbers[2 * place + 1]), op, int(numbers[2 * place + 2]), low, high):
+        for op in self.kinds:
+            for begin, end in _kept(here, int(numbers[at + 1]), op, int(numbers[at + 2]), low, high):
                 if begin <= high and end >= low:
-                    found.append((max(begin, low), min(end, high)))
+                    found.append((begin if begin > low else low, end if end < high else high))
+            at += 2
         return found if len(found) < 2 else _united(found)
 
 
 def _kept(here: int, gap: int, op: str, slope: int, low: int, high: int) -> tuple[Segment, ...]:
-    """Return the intervals in which a comparison holds whose gap at `here` grows by `slope` a step; they may exceed the range."""
+    """Return the intervals in which a comparison holds whose gap at `here` grows by `slope` a step; they may exceed the bounds."""
     if not slope:
         holds = {"<": gap > 0, "<=": gap >= 0, "==": gap == 0, "!=": gap != 0}[op]
         return ((low, high),) if holds else ()

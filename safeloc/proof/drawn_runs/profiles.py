@@ -39,7 +39,8 @@ class Profile:
         self._system, self._kind, self.draw = system, kind, draw
         self._numbers = [var for var in system.inputs if isinstance(var, NumVar)]
         self._together = draw.random() < 0.85
-        self._level = {self._group(var): _level(var, draw) for var in self._numbers}
+        self._groups = {var: self._group(var) for var in self._numbers}
+        self._level = {group: _level(var, draw) for var, group in self._groups.items()}
         self._change = {group: draw.uniform(-1, 1) * (group[2] - group[1]) / 200 for group in self._level}
         self._missing = {option.value: draw.choice((0.0, 0.02, 0.5, 0.95, 1.0)) for option in system.optionals}
         related = {option.value for option in system.optionals} | {var for var in self._numbers if var.unit is COUNT}
@@ -91,7 +92,8 @@ class Profile:
             return (var.low, var.high)[self._lean[var]]
         if self._mirrored.get(var):
             return _within(var, self._mirror(var, state))
-        return _within(var, self._moved(var) * self._fault(var))
+        moved = self._moved(var)
+        return _within(var, moved * self._fault() if var is self._at_fault else moved)
 
     def _mirror(self, var: NumVar, state: Mapping[Var, Value]) -> float:
         """Return a value of the state, preferably one that is not zero, or a value next to it."""
@@ -101,14 +103,12 @@ class Profile:
         beside = self.draw.choice((0, 0, 0, 1, -1, self.draw.randint(-1000, 1000)))
         return state[seen] * numerator / denominator + beside
 
-    def _fault(self, var: NumVar) -> float:
-        """Return the factor on the measured value: 1, unless this input is at fault."""
-        if var is not self._at_fault or self._kind not in ("zero", "scaled"):
-            return 1.0
-        return 0.0 if self._kind == "zero" else self._scale
+    def _fault(self) -> float:
+        """Return the factor on the measured value of the input at fault."""
+        return {"zero": 0.0, "scaled": self._scale}.get(self._kind, 1.0)
 
     def _moved(self, var: NumVar) -> float:
-        group = self._group(var)
+        group = self._groups[var]
         level, kind = self._level[group], self._kind
         if kind in ("ramp", "stuck", "scaled") and var is not self._at_fault:
             return level + self._number * self._change[group]
@@ -138,7 +138,8 @@ def _member(var: NumVar, draw: random.Random) -> int:
 
 
 def _within(var: NumVar, value: float) -> int:
-    return min(max(round(value), var.low), var.high)
+    whole = round(value)
+    return var.low if whole < var.low else var.high if whole > var.high else whole
 
 
 Like = tuple[NumVar, int, int]

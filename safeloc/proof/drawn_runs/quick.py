@@ -20,7 +20,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem
 from safeloc.language.terms import variables
 from safeloc.language.trace import Step, Trace
-from safeloc.proof.drawn_runs.allowed import compiled_terms
+from safeloc.proof.drawn_runs.allowed import compiled_terms, row_of
 
 SAMPLED = 50
 PAYS = 100
@@ -31,14 +31,14 @@ class Quick:
     """Terms that generated code evaluates; the interpreter checks the first and every SAMPLED-th evaluation."""
 
     def __init__(self, terms: Sequence[Expr]) -> None:
-        self._reads = tuple(variables(terms))
-        self._code = compiled_terms(self._reads, list(terms))
+        reads = tuple(variables(terms))
+        self._row, self._code = row_of(reads), compiled_terms(reads, list(terms))
         self._oracle = Program(terms)
         self._calls = 0
 
     def __call__(self, values: Mapping[Var, Value]) -> Sequence[Value]:
         """Return the value of each term; KeyError for a variable without a value."""
-        found = self._code([values[var] for var in self._reads])
+        found = self._code(self._row(values))
         if self._calls % SAMPLED == 0:
             self._compare(values, found)
         self._calls += 1
@@ -103,21 +103,24 @@ def run_again(
 
 
 class Again:
-    """Makes runs once more, for as long as it lives: one whose inputs begin a run that it has made is a part of that run."""
+    """Makes runs once more, for as long as it lives: one whose inputs begin a run that it has made is a part of that run.
+
+    So whoever wants many runs asks for the longest first.
+    """
 
     def __init__(self) -> None:
-        self._longest: dict[tuple[object, ...], tuple[list[Mapping[str, object]], Trace]] = {}
+        self._made: dict[tuple[object, ...], list[tuple[list[Mapping[str, object]], Trace]]] = {}
 
     def __call__(
         self, system: TransitionSystem, stream: Sequence[Mapping[str, object]], *, first: Mapping[str, Value]
     ) -> Trace:
         """Return the run; the arguments, the Trace and the errors are those of `run_again`."""
-        beginning, rows = (system, *sorted(first.items())), list(stream)
-        longest, made = self._longest.get(beginning, ([], None))
-        if made is None or longest[: len(rows)] != rows:
-            made = run_again(system, rows, first=first)
-            self._longest[beginning] = (rows, made)
-        return Trace(system, made.initial, made.steps[: len(rows)])
+        rows, made = list(stream), self._made.setdefault((system, *sorted(first.items())), [])
+        whole = next((run for before, run in made if before[: len(rows)] == rows), None)
+        if whole is None:
+            whole = run_again(system, rows, first=first)
+            made.append((rows, whole))
+        return Trace(system, whole.initial, whole.steps[: len(rows)])
 
 
 def _named(values: Mapping[Var, Value]) -> dict[str, Value]:

@@ -34,7 +34,7 @@ from safeloc.proof.provers.portfolio import GRACE_SECONDS, OnFinding, with_base
 from safeloc.proof.provers.proved_base import Base
 from safeloc.proof.provers.reachability import beyond_known_runs, in_known_runs
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
-from safeloc.proof.provers.verdicts_as_data import Packed, pack, unpack
+from safeloc.proof.provers.verdicts_as_data import Packed, pack, steps_of, unpack
 from safeloc.proof.provers.workers import Lost, Queue, Task, Then
 from safeloc.proof.results import Finding
 
@@ -193,7 +193,9 @@ def _unpacked(system: TransitionSystem, check: str, packed: list[Packed] | Lost)
         return [Obligation(check, f"obligations of kind {check!r}", Unknown(packed.reason), "ended by the clock")]
     free, again = replace(system, assume=TRUE, init=first_without_the_world(system)), Again()
     # a run may have been found without the assumption
-    return [Obligation(name, text, unpack(data, free, free, again), method) for name, text, data, method in packed]
+    longest_first = sorted(enumerate(packed), key=lambda one: -steps_of(one[1][2]))
+    made = {number: unpack(data, free, free, again) for number, (_, _, data, _) in longest_first}
+    return [Obligation(name, text, made[number], method) for number, (name, text, _, method) in enumerate(packed)]
 
 
 def _distinct(made: Sequence[Obligation]) -> Iterator[Obligation]:

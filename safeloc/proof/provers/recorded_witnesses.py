@@ -49,29 +49,33 @@ def shown(goals: Sequence[Goal], recordings: Sequence[Recording]) -> dict[Goal, 
     if not goals or not recordings:
         return found
     replay = Replay(goals[0].plain, dict(enumerate(goals)))
-    shortest = _shortest(replay, recordings)
+    runs = [list(replay.states(recording)) for recording in recordings]
+    shortest = _shortest(replay, runs)
     for number, recording in enumerate(recordings):
         wanted = {goals[goal]: steps for goal, (steps, where) in shortest.items() if where == number}
         if wanted:
-            found |= _confirmed(replay, wanted, recording)
+            found |= _confirmed(replay, wanted, recording, [state for state, _ in runs[number]])
     return found
 
 
-def _shortest(replay: Replay, recordings: Sequence[Recording]) -> dict[int, tuple[int, int]]:
-    """Return, for each goal that some recording reaches, the fewest steps and the number of that recording."""
+def _shortest(replay: Replay, runs: Sequence[Sequence[_Reached]]) -> dict[int, tuple[int, int]]:
+    """Return, for each goal that some run reaches, the fewest steps and the number of that run."""
     met = dict[int, tuple[int, int]]()
-    for number, recording in enumerate(recordings):
-        for goal, steps in replay.first_times(recording).items():
+    for number, run in enumerate(runs):
+        for goal, steps in replay.first_times(run).items():
             met[goal] = min(met.get(goal, (steps, number)), (steps, number))
     return met
 
 
-def _confirmed(replay: Replay, wanted: Mapping[Goal, int], recording: Recording) -> dict[Goal, Trace]:
-    """Run the recording up to each goal; EngineError if the interpreter does not come to it in the last of these steps."""
+def _confirmed(
+    replay: Replay, wanted: Mapping[Goal, int], recording: Recording, states: Sequence[Sequence[Value]]
+) -> dict[Goal, Trace]:
+    """Run the recording, which has these states, up to each goal; EngineError if the interpreter does not come to it in the last of these
+    steps.
+    """
     system, most = replay.system, max(wanted.values())
     rows = list(_own_inputs(system, recording.steps[:most]))
     run = run_again(system, rows, first=known_first(system, recording))
-    states = [state for state, _ in islice(replay.states(recording), most + 1)]
     for goal, steps in wanted.items():
         reached = start(replay.watched, known_first(system, recording))
         if steps:
@@ -161,6 +165,10 @@ def is_label(var: Var) -> bool:
     return isinstance(var, BoolVar) or isinstance(var.unit, Enumeration)
 
 
+_Reached = tuple[Sequence[Value], list[bool]]
+"""A state, and for each assumption whether it has held so far."""
+
+
 class Replay:
     """A system with the observers of all goals, compiled for replays of recordings."""
 
@@ -169,10 +177,9 @@ class Replay:
         self.watched = watch(system, list(goals.values())).system
         relied: dict[Bool, int] = {}
         self._relies = [relied.setdefault(goal.system.assume, len(relied)) for goal in goals.values()]
-        self._moves = tuple(self.watched.next)
-        self._reads = (*self.watched.state, *system.inputs)
         admissible = environment(system, assume=False)
-        self._step = compiled_terms(self._reads, [admissible, *relied, *self.watched.next.values()])
+        moves = [self.watched.next[var] for var in self.watched.state]
+        self._step = compiled_terms((*self.watched.state, *system.inputs), [admissible, *relied, *moves])
         self._goods = compiled_terms(self.watched.state, [goal.good for goal in goals.values()])
         self._relied = len(relied)
         self._environments: dict[Bool, Bool] = {}
@@ -184,10 +191,10 @@ class Replay:
             self._environments[relied] = environment(goal.plain)
         return holds(self._environments[relied], values)
 
-    def first_times(self, recording: Recording) -> dict[int, int]:
-        """Return the goals that the recording reaches, by number, each with the steps until then."""
+    def first_times(self, run: Sequence[_Reached]) -> dict[int, int]:
+        """Return the goals that a run with these states reaches, by number, each with the steps until then."""
         met: dict[int, int] = {}
-        for steps, (state, kept) in enumerate(self.states(recording)):
+        for steps, (state, kept) in enumerate(run):
             if not any(kept):
                 break
             judged = zip(self._numbers, self._goods(state), self._relies, strict=True)
@@ -204,7 +211,7 @@ class Replay:
             found |= {number for number, good, relies in judged if not good and kept[relies]}
         return found
 
-    def states(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
+    def states(self, recording: Recording) -> Iterator[_Reached]:
         """Yield each state, and for each assumption whether it has held so far.
 
         An input that the machine cannot take ends the recording.
@@ -215,15 +222,14 @@ class Replay:
                 kept = [was and one for was, one in zip(kept, now, strict=True)]
                 yield state, kept
 
-    def _each(self, recording: Recording) -> Iterator[tuple[list[Value], list[bool]]]:
+    def _each(self, recording: Recording) -> Iterator[_Reached]:
         """Yield each state, and for each assumption whether the step to it satisfies it, as long as steps are in range."""
-        values = start(self.watched, _known(self.system, recording.first))
-        yield [values[var] for var in self.watched.state], [True] * self._relied
+        state: Sequence[Value] = list(start(self.watched, _known(self.system, recording.first)).values())
+        yield state, [True] * self._relied
         for record in _own_inputs(self.system, recording.steps):
             inputs = read_inputs(self.system, record)
-            values |= inputs
-            admissible, *rest = self._step([values[var] for var in self._reads])
+            admissible, *rest = self._step([*state, *(inputs[var] for var in self.system.inputs)])
             if not admissible:
                 return
-            values = dict(zip(self._moves, rest[self._relied :], strict=True))
-            yield [values[var] for var in self.watched.state], [bool(one) for one in rest[: self._relied]]
+            state = rest[self._relied :]
+            yield state, [bool(one) for one in rest[: self._relied]]

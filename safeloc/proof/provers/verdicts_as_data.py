@@ -88,7 +88,7 @@ def pack_trace(trace: Trace | None) -> PackedTrace | None:
     if trace is None:
         return None
     part = trace.system.machines[0].name if trace.system.composition else ""
-    return PackedTrace(dict(trace.initial), tuple(dict(step.inputs) for step in trace.steps), part)
+    return PackedTrace(trace.initial, tuple(step.inputs for step in trace.steps), part)  # a shared step is sent once
 
 
 def unpack_trace(packed: PackedTrace | None, system: TransitionSystem, again: Again | None = None) -> Trace | None:
@@ -176,6 +176,11 @@ def unpack(packed: Packed, system: TransitionSystem, observed: TransitionSystem,
             return Vacuous(reason, unpack_trace(trace, system, again))
         case _:
             raise AssertionError(packed)
+
+
+def steps_of(packed: Packed) -> int:
+    """Return the number of steps of a packed verdict's run; 0 without a run."""
+    return max((len(part.stream) for part in packed if isinstance(part, PackedTrace)), default=0)
 
 
 def pack_base(known: Base) -> Packed:

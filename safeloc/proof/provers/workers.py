@@ -6,7 +6,6 @@ others in one: starting a process takes longer than many a small task.
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import sys
 import time
@@ -18,6 +17,7 @@ from multiprocessing.context import ForkContext, ForkProcess
 from typing import Any
 
 from safeloc.errors import EngineError
+from safeloc.proof.provers.collection import collect_rarely
 from safeloc.proof.provers.slots import shared
 
 _MOST_IN_A_PROCESS = 16
@@ -201,7 +201,7 @@ def _run(tasks: Sequence[Task], index: int, pipe: Connection, parents: Connectio
 
     parents  the parent's end of the pipe: closed here, so that this process notices when the parent is gone
     """
-    gc.freeze()  # keeps the collector away from inherited objects, since visiting them would copy every page
+    collect_rarely()
     parents.close()
     following: int | None = index
     with pipe:

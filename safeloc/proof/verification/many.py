@@ -7,7 +7,6 @@ targets is ten times as large, and so would be every process that is forked from
 
 from __future__ import annotations
 
-import gc
 import multiprocessing
 import os
 import signal
@@ -25,8 +24,10 @@ from safeloc.language.verdict import told
 from safeloc.proof.cache.answers import kept_in
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cache.targets import Asked, asked, found_before, keep
+from safeloc.proof.provers.collection import collect_rarely
 from safeloc.proof.provers.slots import Slots, sharing
 from safeloc.proof.results import Finding
+from safeloc.proof.testing import prepare
 from safeloc.proof.verification.one import Plan, Work, expected
 from safeloc.proof.verification.plain import Plain, pack_findings, unpack_findings
 from safeloc.target import Target
@@ -174,6 +175,8 @@ def _conducted(
     time.
     """
     left, running = list[_Conductor](), list[_Conductor]()
+    if waiting:
+        prepare()
     try:
         for target in waiting:
             left.append(_forked(target, plan, jobs, slots, [one.pipe for one in left]))
@@ -234,7 +237,7 @@ def _conduct(
 
     inherited  the parent's ends of pipes: closed here, so that this process notices when the parent is gone
     """
-    gc.freeze()  # keeps the collector away from inherited objects, since visiting them would copy every page
+    collect_rarely()
     signal.signal(signal.SIGTERM, _leave)
     for one in inherited:
         one.close()

@@ -31,6 +31,7 @@ from typing import Any
 from safeloc.errors import SafelocError, StreamError
 from safeloc.language.absence import stand_ins, without_absent
 from safeloc.language.nodes import Value
+from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Step, Trace, present_inputs
 from safeloc.runtime.outside import quoted, refuse_beyond, shortened
 from safeloc.runtime.scripts import read_script, script
@@ -59,13 +60,13 @@ class Shown:
 
 def runs_file(runs: Sequence[Shown], name: str) -> str:
     """Return the text of a file with these runs, for the machine with this file name."""
-    rows = [[_row(one.trace, number) for number in range(len(one.trace.steps))] for one in runs]
-    names = _names(runs, rows)
+    lines = _Lines(runs)
+    names = lines.names
     beginnings, described, kept = _Beginnings(), list[_Plain](), list[Sequence[Any]]()
-    for one, rows_of_run in zip(runs, rows, strict=True):
-        table, first = _table(one, rows_of_run, names), [_exact(one.trace.initial.get(name)) for name in names["state"]]
-        like = beginnings.add(first, table)
-        kept += table[like[1] :]
+    for one in runs:
+        table, first = list(lines.of(one)), [_exact(one.trace.initial.get(name)) for name in names["state"]]
+        like = beginnings.add(first, [text for _, text in table])
+        kept += [values for values, _ in table[like[1] :]]
         about = {"results": list(one.results), "machine": one.trace.system.name, "steps": len(table), "first": first}
         described.append({**about, "like": like})
     columns = list(zip(*kept, strict=True)) or [()] * (1 + sum(map(len, names.values())))
@@ -73,38 +74,54 @@ def runs_file(runs: Sequence[Shown], name: str) -> str:
     return script(FUNCTION, name, data=json.dumps(data, separators=(",", ":")).encode())
 
 
-def _row(trace: Trace, number: int) -> Sequence[Mapping[str, Cell]]:
-    """Return the values of a step, by kind in the order of KINDS."""
-    step = trace.steps[number]
-    return present_inputs(trace.system, step.inputs), step.fired, step.state, _outputs(trace, step)
+_Row = Sequence[Mapping[str, Cell]]
+"""The values of a step, by kind in the order of KINDS."""
 
 
-def _outputs(trace: Trace, step: Step) -> Mapping[str, Cell]:
-    outputs = without_absent(step.outputs, stand_ins(trace.system))
-    return {name: value for name, value in outputs.items() if value is not None}
+class _Lines:
+    """The steps of some runs, each as the values of all columns and as a text that tells it from others.
+
+    Of steps that are the same object, as where several runs begin alike, each is read once.
+    """
+
+    def __init__(self, runs: Sequence[Shown]) -> None:
+        self._rows = {
+            (id(one.trace.system), id(step)): (step, _row(one.trace.system, step))
+            for one in runs
+            for step in one.trace.steps
+        }
+        self.names = _names(runs, [row for _, row in self._rows.values()])
+        self._known = {key: self._line(row, None) for key, (_, row) in self._rows.items()}
+
+    def of(self, one: Shown) -> Iterator[tuple[Sequence[Any], str]]:
+        """Yield the lines of a run."""
+        for step, now in zip(one.trace.steps, chain(one.truth_mm, repeat(None)), strict=False):
+            key = (id(one.trace.system), id(step))
+            yield self._known[key] if now is None else self._line(self._rows[key][1], now)
+
+    def _line(self, row: _Row, now: int | None) -> tuple[Sequence[Any], str]:
+        values = [*chain.from_iterable(map(row[at].get, self.names[kind]) for at, kind in enumerate(KINDS)), now]
+        return values, repr(values)  # tells 1 and true apart
 
 
-def _names(runs: Sequence[Shown], rows: Sequence[Sequence[Sequence[Mapping[str, Cell]]]]) -> dict[str, Sequence[str]]:
+def _row(system: TransitionSystem, step: Step) -> _Row:
+    outputs = without_absent(step.outputs, stand_ins(system))
+    told = {name: value for name, value in outputs.items() if value is not None}
+    return present_inputs(system, step.inputs), step.fired, step.state, told
+
+
+def _names(runs: Sequence[Shown], rows: Iterable[_Row]) -> dict[str, Sequence[str]]:
     """Return the names in all runs, by kind: inputs in the order of the declaration, others in order of appearance."""
     found = {kind: dict[str, None]() for kind in KINDS}
-    for one, steps in zip(runs, rows, strict=True):
+    for one in runs:
         found["state"].update(dict.fromkeys(one.trace.initial))
-        for step in steps:
-            for kind, values in zip(KINDS, step, strict=True):
-                if not found[kind].keys() >= values.keys():
-                    found[kind].update(dict.fromkeys(values))
+    for row in rows:
+        for kind, values in zip(KINDS, row, strict=True):
+            if not found[kind].keys() >= values.keys():
+                found[kind].update(dict.fromkeys(values))
     declared = dict.fromkeys(var.name for one in runs for var in one.trace.system.inputs)
     names = {kind: list(of_a_kind) for kind, of_a_kind in found.items()}
     return {**names, "inputs": [name for name in declared if name in found["inputs"]]}
-
-
-def _table(one: Shown, rows: Sequence[Sequence[Mapping[str, Cell]]], names: Mapping[str, Sequence[str]]) -> _Table:
-    """Return the steps of a run, each as the values of all columns."""
-    truth = chain(one.truth_mm, repeat(None))
-    return [
-        [*chain.from_iterable(map(row[at].get, names[kind]) for at, kind in enumerate(KINDS)), now]
-        for row, now in zip(rows, truth, strict=False)
-    ]
 
 
 class _Beginnings:
@@ -114,12 +131,13 @@ class _Beginnings:
         self._next = dict[tuple[int, str], tuple[int, int]]()
         self._runs = 0
 
-    def add(self, first: Sequence[Any], table: _Table) -> list[int]:
-        """Add a run; return the number of an earlier one with the same beginning, and how many steps they share."""
+    def add(self, first: Sequence[Any], texts: Iterable[str]) -> list[int]:
+        """Add a run, by its first state and the texts of its steps; return the number of an earlier one with the same beginning, and
+        how many steps they share.
+        """
         node, like, run = 0, [0, 0], self._runs
-        for number, values in enumerate(chain([first], table)):
-            key = (node, repr(values))  # tells 1 and true apart
-            node, of = self._next.setdefault(key, (len(self._next) + 1, run))
+        for number, text in enumerate(chain([repr(first)], texts)):
+            node, of = self._next.setdefault((node, text), (len(self._next) + 1, run))
             if of != run:
                 like = [of, number]
         self._runs += 1

@@ -117,6 +117,22 @@ def test_what_a_known_run_breaks_is_found_without_searching() -> None:
     assert ["violated", "held"] == [word(one.result) for one in found]
 
 
+def test_a_known_run_that_begins_another_one_is_not_made_again() -> None:
+    """Its state, and what it breaks, are those that it has by itself; steps count once."""
+    never_six = always("at most five", N <= 5)
+    lengths = (9, 3, 6, 0, 7)
+    driver = Driver(_counter(), [never_six], [run(_counter(), _pressed(times)) for times in lengths])
+    assert driver.statistics.known == 6
+    for which, times in enumerate(lengths):
+        alone = Driver(_counter(), [never_six], [run(_counter(), _pressed(times))])
+        driver.follow(which)
+        alone.follow(0)
+        assert (driver.stream, driver.broken) == (alone.stream, alone.broken)
+        assert list(driver.state().values()) == list(alone.state().values())
+    other = [run(_counter(), [*_pressed(3), {"p": False}]), run(_counter(), _pressed(4))]
+    assert Driver(_counter(), [never_six], other).statistics.known == 8
+
+
 def test_a_first_state_that_breaks_a_property_says_so() -> None:
     """A property that is false before any step is broken by the empty run."""
     driver = Driver(_counter(), [always("already one", N >= 1)])

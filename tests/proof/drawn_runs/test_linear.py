@@ -39,7 +39,7 @@ def test_every_comparison_is_exact(slope: int, offset: int, kind: str, y: int, f
     straight = straight_of(X, term, _below(term))
     assert straight is not None
     values = {X: 7, Y: y, FLAG: flag}
-    found = straight.segments(evaluate(straight.parts, values), X, 7)
+    found = straight.segments(evaluate(straight.parts, values), 0, 7, (X.low, X.high))
     assert [n for low, high in found for n in range(low, high + 1)] == [
         n for n in range(-40, 41) if evaluate([term], {**values, X: n})[0]
     ]

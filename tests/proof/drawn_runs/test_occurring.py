@@ -63,7 +63,7 @@ def test_how_often_a_case_occurred(prop: Property, expected: int) -> None:
     driver = Driver(SYSTEM, [prop])
     for number_, record in enumerate(SECOND):
         assert number_ == driver.statistics.steps
-        driver._step({P: record["p"]})
+        driver._step((record["p"],))
     assert expected == driver.statistics.occurred[prop, 0]
 
 

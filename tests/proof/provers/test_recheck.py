@@ -230,3 +230,23 @@ def test_a_goal_alone_is_tried_in_rounds(monkeypatch: pytest.MonkeyPatch) -> Non
     assert certify(Query("one", [X > 3], {"above 2": X > 2}), seconds=30.0, one_goal=first).undecided == ()
     sets = [first, module.ALONE, module.OPTIONS]
     assert asked == [*((1.0, one) for one in sets), *((4.0, one) for one in sets[:2])]
+
+
+@needs_yices
+@pytest.mark.parametrize("decides", ["yices at once", "cvc5 soon", "yices later", "cvc5 later"])
+def test_an_induction_query_of_one_goal_is_asked_in_turn(decides: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """yices and cvc5 look for a short time each, then for longer; who decides it is named alone."""
+    asked: list[str] = []
+    turns = ["yices at once", "cvc5 soon", "yices later", "cvc5 later"]
+
+    def answered(*_: object, **__: object) -> list[str]:
+        asked.append(turns[len(asked)])
+        return ["unsat" if asked[-1] == decides else "unknown"]
+
+    monkeypatch.setattr(yices, "answers", answered)
+    monkeypatch.setattr(module, "recheck", answered)
+    query = Query("one", [X > 3], {"above 2": X > 2})
+    made = certify(query, seconds=30.0, one_goal=module.INDUCTION_OF_ONE_GOAL)
+    assert made.undecided == ()
+    assert asked == turns[: turns.index(decides) + 1]
+    assert confirmed_by({made.file: made.text}) == (f"yices {yices.version()}" if "yices" in decides else CVC5,)
