@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -22,14 +22,11 @@ from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION as CONTRADICTED
 from safeloc.models.vocabulary.reflectors import NO_MODEL
-from safeloc.proof.provers.implication import Refuted
 from safeloc.properties.reflector_route import properties
-from tests.models.composed_devices import Runs, flag, holds, input_of
-from tests.models.owed_contracts import Wires, contract, rewired
-from tests.shipped_recordings import shipped
+from tests.models.composed_devices import Runs, Wiring, Wrong, flag, input_of
+from tests.models.owed_contracts import Wires
 
-Wrong = Callable[[ReflectorRoute, Wires], Wires]
-"""The wires that are wrong, of the device and of its right wires."""
+DEVICE = Wiring(reflector_route, properties)
 
 
 # ------------------------------------------------------------------ contracts
@@ -61,9 +58,7 @@ def test_only_the_laws_of_sensors_and_map_are_assumed() -> None:
 )
 def test_each_contract_follows_from_the_machines_before(owner: str, lemma: str) -> None:
     """And not without their containment."""
-    whole = compose_machines()
-    assert None is contract(whole.composition, owner)
-    assert isinstance(contract(whole.composition, owner, lemma), Refuted)
+    assert DEVICE.owes(owner, lemma)
 
 
 # ------------------------------------------------------------------ wires exchanged on purpose
@@ -216,17 +211,14 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the contract or the claim that is named, which the right wires keep."""
-    wrong, claim = WRONG[name]
-    whole = rewired(reflector_route, compose_machines, wrong, monkeypatch)
-    assert not holds(whole.composition, properties(whole), claim)
+    assert DEVICE.loses(*WRONG[name], monkeypatch)
 
 
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
 def test_the_right_wires_keep_it(claim: str) -> None:
     """So that a refusal is due to the wire."""
-    whole = compose_machines()
-    assert holds(whole.composition, properties(whole), claim)
+    assert DEVICE.keeps(claim)
 
 
 # ------------------------------------------------------------------ recordings
@@ -298,8 +290,7 @@ def test_a_lost_route_ends_the_position_in_its_cycle() -> None:
 @pytest.mark.thorough
 def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
     """To the byte."""
-    for path in write(tmp_path):
-        assert shipped(path.name.removesuffix(".jsonl.gz")).read_bytes() == path.read_bytes()
+    assert RUNS.are_written(write, tmp_path)
 
 
 # ------------------------------------------------------------------ configuration
