@@ -25,6 +25,7 @@ from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.properties.reflector_device import properties
+from tests.models.anchored_wires import whatever_is_reported
 from tests.models.composed_devices import Runs, Wiring, Wrong, flag, input_of
 from tests.models.owed_contracts import Wires
 
@@ -173,10 +174,6 @@ def _one_end(whole: ReflectorDevice, right: Wires) -> Wires:
     return {whole.course.own.high: right[whole.course.own.low]}
 
 
-def _astray_is_passed_on(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {input_of(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
-
-
 def _stop_by_the_balise(whole: ReflectorDevice, right: Wires) -> Wires:
     """The stop is made by the balise machine's interval, which holds the front end as well, and measures nothing."""
     own, groups = whole.stop.own, whole.groups.machine
@@ -247,7 +244,7 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the image of any reflector": (_any_image, "only the reflector behind the switch shows the course"),
     "a switch given late": (_switch_given_late, "contract of turn_off"),
     "one end of the interval for both": (_one_end, "the course is judged by the reported interval"),
-    "another course is passed on": (_astray_is_passed_on, "a course that is not permitted withdraws the position"),
+    "another course is passed on": (whatever_is_reported, "a course that is not permitted withdraws the position"),
     "the host's margins exchanged": (_host_margins_exchanged, "contract of delocalized"),
     "the balise's position for the host": (_balise_position_for_the_host, "contract of delocalized"),
     "the stop's margins exchanged": (_stop_margins_exchanged, "contract of stop_point"),

@@ -10,10 +10,10 @@ from safeloc.language.expr import FALSE, TRUE
 from safeloc.models import reflector_device
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.travel_direction.variables import UNKNOWN
-from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.properties.reflector_device_direction import properties
-from tests.models.composed_devices import Runs, Wiring, Wrong, flag, input_of
+from tests.models.anchored_wires import always_a_reference, balise_for_the_host
+from tests.models.composed_devices import Runs, Wiring, Wrong, flag
 from tests.models.owed_contracts import Wires
 
 DEVICE = Wiring(reflector_device, properties)
@@ -62,21 +62,6 @@ def _always_turning(whole: ReflectorDevice, _: Wires) -> Wires:
     return {whole.direction.own.backwards: TRUE}
 
 
-def _always_a_reference(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {input_of(whole.restrictive, "reference_accepted"): TRUE}
-
-
-def _balise_for_the_host(whole: ReflectorDevice, _: Wires) -> Wires:
-    """The host gets the balise machine's whole interval, which no direction withdraws."""
-    machine, (position, below, above) = whole.restrictive, wired_interval(whole.groups.machine)
-    return {
-        input_of(machine, "source_valid"): whole.groups.machine.flag("valid"),
-        input_of(machine, "source_position_mm"): position,
-        input_of(machine, "source_margin_below_mm"): below,
-        input_of(machine, "source_margin_above_mm"): above,
-    }
-
-
 WRONG: Mapping[str, tuple[Wrong, str]] = {
     "a contradicted direction unheard": (_direction_unheard, "a contradicted direction withdraws the position"),
     "route and groups unheard": (_only_the_direction, "direction, route and groups contradict, and nothing else"),
@@ -89,8 +74,8 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the vehicle turns late": (_turned_late, "with a direction the vehicle runs on"),
     "unmeasured cycles count": (_never_unmeasured, "with a direction the vehicle runs on"),
     "the vehicle turns always": (_always_turning, "a vehicle turns only where it is measured to"),
-    "every cycle a reference": (_always_a_reference, "only a reference in the permitted direction ends a loss"),
-    "the balise's interval for the host": (_balise_for_the_host, "a contradicted direction withdraws the position"),
+    "every cycle a reference": (always_a_reference, "only a reference in the permitted direction ends a loss"),
+    "the balise's interval for the host": (balise_for_the_host, "a contradicted direction withdraws the position"),
 }
 """Wires exchanged on purpose, and the claim that is no longer proved."""
 
