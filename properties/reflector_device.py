@@ -10,36 +10,41 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before, between, exact_to, ite
-from safeloc.language.machine import Machine
-from safeloc.language.spec import Property, always, earlier_bool
+from safeloc.language.expr import Bool, Num, all_of, any_of, before, between, exact_to
+from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
-from safeloc.models.balise.variables import ACCEPTED
 from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.variables import BALISE_CONTRADICTS
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.stop_point.variables import HOLD, NO_ORDER, PROCEED
-from safeloc.models.vocabulary.reasons import CONTRADICTION
-from safeloc.properties import delocalized, turn_off
-from safeloc.properties.balise.step import LAW as GROUPS
-from safeloc.properties.reflector.figures import LAW as RADAR
+from safeloc.properties import anchored_device, turn_off
+from safeloc.properties.anchored_device import (
+    accepted,
+    astray,
+    disproved,
+    every_position_that_is_reported,
+    interval_of,
+    judged_by,
+    of_source,
+    only_an_accepted_group,
+    restrictive,
+    the_reflector_machines_interval,
+    what_the_host_gets,
+    withdrawn,
+)
 from safeloc.properties.stop_point.place import LAW as BRAKES
 from safeloc.properties.turn_off import LAW as IMAGES
 
-LAW = (
-    f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at "
-    f"one place; {IMAGES}; {BRAKES}"
-)
+LAW = f"{anchored_device.LAW}; {IMAGES}; {BRAKES}"
 REQUIREMENTS = ("RFL-1", "RFL-5", "RFL-9")
 _OF_THE_COURSE = ("course is true", "contradiction")
-_OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _located_by_reflectors, _rejected, _anchored, _distances, _by_map, _courses, _stops, _stopped_by)
+    makers = (_host, _rejected, _anchored, _distances, _by_map, _courses, _stops, _stopped_by)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -47,56 +52,19 @@ def properties(whole: ReflectorDevice) -> list[Property]:
 
 
 def _host(whole: ReflectorDevice) -> Iterator[Property]:
-    yield _containment(whole)
-    for claim in delocalized.properties(whole.restrictive, whole.config.host):
-        if claim.name in _OF_THE_RESTRICTIVE_STATE:
-            yield whole.composition.inherited(whole.restrictive, claim)
-    restrictive = _restrictive(whole)
-    measured = _of_source(whole, "precise") & _of_source(whole, "recognised")
-    yield for_all_inputs(
-        "only a group or a reflector ends a loss",
-        (earlier_bool(restrictive) & ~restrictive).implies(_accepted(whole) | measured),
-        statement="the restrictive state is left only in a cycle in which a group passed every check, or a reflector was recognised",
-        requirements=("RFL-5", "MRK-D1"),
-    )
-
-
-def _containment(whole: ReflectorDevice) -> Property:
-    """Proved of the restrictive state, given that the reflector machine's interval holds the truth, which that machine has to keep."""
-    machine, truth = whole.restrictive, next(iter(whole.restrictive.world.choices))  # the vehicle's, after the step
-    assert isinstance(truth, NumVar)
-    position, below, above = _interval(machine)
-    own = under_assumption(
-        "containment",
-        machine.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
-        statement="the position that the host gets contains the true position of the front end",
-    )
-    return replace(whole.composition.inherited(machine, own), name=own.name)
-
-
-def _located_by_reflectors(whole: ReflectorDevice) -> Iterator[Property]:
-    """The host's position is that of the reflector machine: another interval that holds the front end would keep containment too."""
-    passed, source = ~_restrictive(whole), whole.composition.of(whole.source.machine)
-    mine, theirs = _of_host(whole), [source.num(one) for one in _interval(whole.source.machine)]
-    yield for_all_inputs(
-        "the host gets the reflector machine's interval",
-        passed.implies(_of_source(whole, "valid") & all_of(a.eq(b) for a, b in zip(mine, theirs, strict=True))),
-        statement="the position that the host gets, and both margins, are those that the reflector machine reports in this cycle",
-        requirements=("RFL-1", "RFL-5"),
-    )
-    astray = whole.composition.of(whole.course.machine).bool(whole.course.machine.flag("contradicts"))
-    located = earlier_bool(passed) | _accepted(whole) | _of_source(whole, "precise") & _of_source(whole, "recognised")
-    yield for_all_inputs(
+    yield from what_the_host_gets(whole, LAW, REQUIREMENTS)
+    yield the_reflector_machines_interval(whole)
+    yield every_position_that_is_reported(
+        whole,
         "the host gets every position that is reported",
-        all_of([_of_source(whole, "valid"), ~astray, located]).implies(passed),
-        statement="while the reflector machine reports a position and the course is the permitted one, the host that had a position keeps "
+        astray(whole),
+        "while the reflector machine reports a position and the course is the permitted one, the host that had a position keeps "
         "one, by odometer as well as by reflector, and one that had none gets it with the first accepted group or recognised reflector",
-        requirements=("RFL-1", "RFL-5"),
     )
     contradicted = whole.composition.of(whole.line.machine).bool(whole.line.contradicted)
     yield for_all_inputs(
         "a contradicted route withdraws the position",
-        contradicted.implies(_restrictive(whole) & ~_of_source(whole, "valid")),
+        contradicted.implies(withdrawn(whole)),
         statement="in a cycle in which the route is contradicted, neither the host nor the reflector machine has a position",
         requirements=("RFL-D3", "RFL-D6"),
     )
@@ -111,23 +79,15 @@ def _rejected(whole: ReflectorDevice) -> Iterator[Property]:
     read = any_of(_in_source(whole, one.present) for one in inputs)
     yield for_all_inputs(
         "a rejected telegram is no reading",
-        (~_accepted(whole)).implies(~read),
+        (~accepted(whole)).implies(~read),
         statement="of a telegram that the balise machine does not accept, the reflector machine gets nothing: no place, no "
         "distance to a reflector, and no place from which to search for it",
         requirements=("RFL-5", "RFL-9", "RFL-D4"),
     )
-    located = _of_source(whole, "valid")
-    yield for_all_inputs(
-        "only an accepted group anchors",
-        (located & ~earlier_bool(located)).implies(_accepted(whole)),
-        statement="the reflector machine reports a position again only in a cycle in which the balise machine accepted a group",
-        requirements=("RFL-5", "RFL-D4"),
-    )
-    machine = whole.groups.machine
-    disproved = whole.composition.of(machine).num(machine.output("reason")).eq(CONTRADICTION)
+    yield only_an_accepted_group(whole)
     yield for_all_inputs(
         "groups that contradict withdraw the position",
-        disproved.implies(_restrictive(whole) & ~located),
+        disproved(whole).implies(withdrawn(whole)),
         statement="while the balise machine reports nothing because groups contradict its position, the host gets none by "
         "reflectors either, from the same cycle on",
         requirements=("RFL-D4", "RFL-D3"),
@@ -141,14 +101,12 @@ def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
     given, truth = whole.source.own.balise, whole.motion.own.ghosts.truth
     place, accuracy = _in_source_num(whole, given.position.value), _in_source_num(whole, given.accuracy.value)
     handed = _in_source(whole, given.identity.present) & _in_source(whole, given.position.present)
-    position, below, above = (
-        whole.composition.of(whole.groups.machine).num(one) for one in _interval(whole.groups.machine)
-    )
+    position, below, above = interval_of(whole, whole.groups.machine)
     exact = all_of([_in_source(whole, given.accuracy.present), _in_source(whole, given.since.present)])
     group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.group)
     yield for_all_inputs(
         "an accepted group is handed over",
-        _accepted(whole).implies(
+        accepted(whole).implies(
             all_of([
                 handed, exact, place.eq(position), (accuracy >= below) & (accuracy >= above),
                 accuracy.eq(below) | accuracy.eq(above), _in_source_num(whole, given.since.value).eq(0),
@@ -187,7 +145,7 @@ def _distances(whole: ReflectorDevice) -> Iterator[Property]:
     ):  # fmt: skip
         told, distance = telegram.bool(theirs.present), telegram.num(theirs.value)
         left = group + distance - place
-        fits = _accepted(whole) & told & between(least, left, whole.config.reflector.range_limit_mm)
+        fits = accepted(whole) & told & between(least, left, whole.config.reflector.range_limit_mm)
         yield for_all_inputs(
             f"the telegram's {name} distance is used",
             _in_source(whole, mine.present).iff(fits) & fits.implies(_in_source_num(whole, mine.value).eq(left)),
@@ -210,7 +168,7 @@ def _by_map(whole: ReflectorDevice) -> Iterator[Property]:
     )
     group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.last_group_position)
     left = group + told.num(reference.value) - _in_source_num(whole, given.position.value)
-    fits = _accepted(whole) & told.bool(reference.present) & between(0, left, whole.config.reflector.range_limit_mm)
+    fits = accepted(whole) & told.bool(reference.present) & between(0, left, whole.config.reflector.range_limit_mm)
     yield for_all_inputs(
         "the map's distance is used",
         _in_source(whole, ahead.reference.present).iff(fits)
@@ -249,7 +207,7 @@ def _courses(whole: ReflectorDevice) -> Iterator[Property]:
             yield whole.composition.inherited(machine, claim)
     yield for_all_inputs(
         "a course that is not permitted withdraws the position",
-        into.bool(machine.flag("contradicts")).implies(_restrictive(whole)),
+        astray(whole).implies(restrictive(whole)),
         statement="in a cycle in which the vehicle is seen on another course than map and movement authority give, the host gets no position",
         requirements=("RFL-12",),
     )
@@ -259,7 +217,7 @@ def _courses(whole: ReflectorDevice) -> Iterator[Property]:
     yield for_all_inputs(
         "only the reflector behind the switch shows the course",
         into.bool(own.measured).iff(
-            all_of([_of_source(whole, "precise"), shown.bool(behind.present), place.eq(shown.num(behind.value))])
+            all_of([of_source(whole, "precise"), shown.bool(behind.present), place.eq(shown.num(behind.value))])
         ),
         statement="the course is judged by the image of a reflector that is measured in this cycle, and that the map has behind the switch",
         requirements=("RFL-12",),
@@ -270,36 +228,19 @@ def _courses(whole: ReflectorDevice) -> Iterator[Property]:
         statement="a switch is watched only from where the whole interval lies before it",
         requirements=("RFL-12",),
     )
-    yield _judged_by(whole)
+    yield for_all_inputs(
+        "the course is judged by the reported interval",
+        judged_by(whole, whole.source.machine),
+        statement="before, on and beyond a switch are judged by the ends of the reported interval, as far as they are on the line, and "
+        "by those of the line without one",
+        requirements=("RFL-12",),
+    )
     truth = whole.motion.own.ghosts.truth
     low, high = (exact_to(into.num(one), NM) for one in (own.low, own.high))
     yield under_assumption(
         "the course is judged by an interval that holds the front end",
         between(low, truth, high),
         statement="the true front end lies in the interval by which the machine judges whether the vehicle is before, on or beyond a switch",
-        requirements=("RFL-12",),
-    )
-
-
-def _judged_by(whole: ReflectorDevice) -> Property:
-    """Both ends are those of the reflector machine's interval; without one, those of the line."""
-    own, into, limit = (
-        whole.course.own,
-        whole.composition.of(whole.course.machine),
-        whole.config.turn_off.position_limit_mm,
-    )
-    position, below, above = (
-        whole.composition.of(whole.source.machine).num(one) for one in _interval(whole.source.machine)
-    )
-    low, high, rear, front = into.num(own.low), into.num(own.high), position - below, position + above
-    reported = (low.eq(rear) | (low.eq(-limit) & (rear < -limit))) & (
-        high.eq(front) | (high.eq(limit) & (front > limit))
-    )
-    return for_all_inputs(
-        "the course is judged by the reported interval",
-        ite(_of_source(whole, "valid"), reported, low.eq(-limit) & high.eq(limit)),
-        statement="before, on and beyond a switch are judged by the ends of the reported interval, as far as they are on the line, and "
-        "by those of the line without one",
         requirements=("RFL-12",),
     )
 
@@ -331,7 +272,7 @@ def _stops(whole: ReflectorDevice) -> Iterator[Property]:
     ordered = whole.composition.of(machine).num(machine.output("order"))
     yield for_all_inputs(
         "without a position nothing moves",
-        _restrictive(whole).implies(ordered.one_of(NO_ORDER, HOLD)),
+        restrictive(whole).implies(ordered.one_of(NO_ORDER, HOLD)),
         statement="while the vehicle is restrictive it has the order to hold, or none if no stop is pending",
         requirements=("RFL-D7", "MRK-D2"),
     )
@@ -339,9 +280,9 @@ def _stops(whole: ReflectorDevice) -> Iterator[Property]:
 
 def _stopped_by(whole: ReflectorDevice) -> Iterator[Property]:
     """The stop is made by the host's interval: another one that holds the front end would keep every claim about the brake order."""
-    own, into, passed = whole.stop.own, whole.composition.of(whole.stop.machine), ~_restrictive(whole)
+    own, into, passed = whole.stop.own, whole.composition.of(whole.stop.machine), ~restrictive(whole)
     heard = [into.num(one) for one in (own.position, own.below, own.above)]
-    same = all_of(a.eq(b) for a, b in zip(heard, _of_host(whole), strict=True))
+    same = all_of(a.eq(b) for a, b in zip(heard, interval_of(whole, whole.restrictive), strict=True))
     yield for_all_inputs(
         "the stop is made by the interval that the host gets",
         into.bool(own.valid).iff(passed) & passed.implies(same),
@@ -351,7 +292,7 @@ def _stopped_by(whole: ReflectorDevice) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "a stop is measured only while a reflector is",
-        into.bool(own.precise).iff(passed & _of_source(whole, "precise")),
+        into.bool(own.precise).iff(passed & of_source(whole, "precise")),
         statement="the stop-point machine takes the position for measured in the cycles in which the host has one and the reflector "
         "machine measures a reflector, and in no others",
         requirements=("RFL-D7",),
@@ -361,34 +302,9 @@ def _stopped_by(whole: ReflectorDevice) -> Iterator[Property]:
 # ------------------------------------------------------------------ words
 
 
-def _of_host(whole: ReflectorDevice) -> list[Num]:
-    """Position, margin below and margin above that the host gets."""
-    into = whole.composition.of(whole.restrictive)
-    return [into.num(one) for one in _interval(whole.restrictive)]
-
-
-def _restrictive(whole: ReflectorDevice) -> Bool:
-    return whole.composition.of(whole.restrictive).bool(whole.restrictive.flag("restrictive"))
-
-
-def _accepted(whole: ReflectorDevice) -> Bool:
-    """The balise machine reports a position, and the telegram of this cycle passed every check."""
-    machine, into = whole.groups.machine, whole.composition.of(whole.groups.machine)
-    return into.bool(machine.flag("valid")) & into.num(machine.output("telegram")).eq(ACCEPTED)
-
-
-def _of_source(whole: ReflectorDevice, output: str) -> Bool:
-    return _in_source(whole, whole.source.machine.flag(output))
-
-
 def _in_source(whole: ReflectorDevice, term: Bool) -> Bool:
     return whole.composition.of(whole.source.machine).bool(term)
 
 
 def _in_source_num(whole: ReflectorDevice, term: Num) -> Num:
     return whole.composition.of(whole.source.machine).num(term)
-
-
-def _interval(machine: Machine) -> tuple[Num, Num, Num]:
-    position, below, above = (machine.output(f"{name}_mm") for name in ("position", "margin_below", "margin_above"))
-    return position, below, above

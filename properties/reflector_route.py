@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import partial
 
 from safeloc.language.expr import Bool, Lit, Num, NumVar, all_of, any_of, as_num, before, between, exact_to, ite
-from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import COUNT, NM
 from safeloc.models.reflector.echo import Slot
@@ -20,17 +19,29 @@ from safeloc.models.route import variables as routes
 from safeloc.models.turn_off.variables import UNDECIDED
 from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, NO_MODEL
-from safeloc.properties import delocalized
+from safeloc.properties import anchored_device
 from safeloc.properties import route as route_claims
 from safeloc.properties import turn_off as course_claims
-from safeloc.properties.balise.step import LAW as GROUPS
-from safeloc.properties.hearing import INTERVAL, hears_interval, hears_value
-from safeloc.properties.reflector.figures import LAW as RADAR
+from safeloc.properties.anchored_device import (
+    accepted,
+    astray,
+    disproved,
+    every_position_that_is_reported,
+    flag,
+    interval_of,
+    judged_by,
+    only_a_reference,
+    only_an_accepted_group,
+    restrictive,
+    the_reflector_machines_interval,
+    what_the_host_gets,
+    withdrawn,
+)
+from safeloc.properties.hearing import hears_value
 from safeloc.properties.turn_off import LAW as IMAGES
 
 LAW = (
-    f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at one "
-    f"place; {IMAGES}; a start that names any route names the true one; an echo that shows a model is that of a reflector beside the "
+    f"{anchored_device.LAW}; {IMAGES}; a start that names any route names the true one; an echo that shows a model is that of a reflector beside the "
     "true route, within its error, and the map names it there"
 )
 REQUIREMENTS = ("RFL-D6",)
@@ -40,7 +51,6 @@ _OF_THE_ROUTE = (
     "containment",
     "a right authority is never refuted",
 )
-_OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
 _REASONS: Mapping[Lit, Lit] = {
     routes.NO_START: NO_REFERENCE,
     routes.CONTRADICTION: CONTRADICTION,
@@ -55,7 +65,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 def properties(whole: ReflectorRoute) -> list[Property]:
     """Return the properties of the whole device."""
     makers = (
-        _host, _hosts_interval, _branch, _branches, _too_many, _lost, _only_lost, _told_why, _withdrawn, _starts, _candidates,
+        _host, _branch, _branches, _too_many, _lost, _only_lost, _told_why, _withdrawn, _starts, _candidates,
         _near_the_start, _sightings, _courses, _watched,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(whole)]
@@ -65,43 +75,15 @@ def properties(whole: ReflectorRoute) -> list[Property]:
 
 
 def _host(whole: ReflectorRoute) -> Iterator[Property]:
-    yield _containment(whole)
-    for claim in delocalized.properties(whole.restrictive, whole.config.host):
-        if claim.name in _OF_THE_RESTRICTIVE_STATE:
-            yield whole.composition.inherited(whole.restrictive, claim)
-
-
-def _hosts_interval(whole: ReflectorRoute) -> Iterator[Property]:
-    host, source = whole.composition.of(whole.restrictive), whole.composition.of(whole.source.machine)
-    same = hears_interval(host, [whole.restrictive.output(name) for name in INTERVAL], source, whole.source.machine)
-    passed, valid = ~_restrictive(whole), _of_source(whole, "valid")
-    yield for_all_inputs(
-        "the host gets the reflector machine's interval",
-        passed.implies(valid & same),
-        statement="the position that the host gets, and both margins, are those that the reflector machine reports in this cycle",
-        requirements=("RFL-1", "RFL-5"),
-    )
-    located = earlier_bool(passed) | _accepted(whole) | _measured(whole)
-    yield for_all_inputs(
+    yield from what_the_host_gets(whole, LAW, REQUIREMENTS)
+    yield the_reflector_machines_interval(whole)
+    yield every_position_that_is_reported(
+        whole,
         "the host gets every position on a route that is carried",
-        all_of([valid, _carrying(whole), located]).implies(passed),
-        statement="while the reflector machine reports a position and a route is carried, the host that had a position keeps one, and one that "
+        ~_carrying(whole),
+        "while the reflector machine reports a position and a route is carried, the host that had a position keeps one, and one that "
         "had none gets it with the first accepted group or recognised reflector",
-        requirements=("RFL-1", "RFL-5"),
     )
-
-
-def _containment(whole: ReflectorRoute) -> Property:
-    """Proved of the restrictive state, given that the reflector machine's interval holds the truth, which that machine has to keep."""
-    machine, truth = whole.restrictive, next(iter(whole.restrictive.world.choices))  # the vehicle's, after the step
-    assert isinstance(truth, NumVar)
-    position, below, above = (machine.output(name) for name in INTERVAL)
-    own = under_assumption(
-        "containment",
-        machine.flag("restrictive") | between(exact_to(position - below, NM), truth, exact_to(position + above, NM)),
-        statement="the position that the host gets contains the true position of the front end",
-    )
-    return replace(whole.composition.inherited(machine, own), name=own.name)
 
 
 # ------------------------------------------------------------------ the branch that is told, and those that are carried
@@ -145,7 +127,7 @@ def _too_many(whole: ReflectorRoute) -> Iterator[Property]:
     ahead = whole.composition.of(whole.starts.machine).num(whole.starts.routes_ahead)
     yield for_all_inputs(
         "more branches than are carried are no position",
-        (begun & (ahead > whole.config.route.routes)).implies(_lost_route(whole) & _restrictive(whole)),
+        (begun & (ahead > whole.config.route.routes)).implies(_lost_route(whole) & restrictive(whole)),
         statement="in a cycle in which the vehicle starts where more routes begin than are carried, the route is lost and the host gets no position",
     )
 
@@ -156,15 +138,13 @@ def _too_many(whole: ReflectorRoute) -> Iterator[Property]:
 def _lost(whole: ReflectorRoute) -> Iterator[Property]:
     yield for_all_inputs(
         "a lost route withdraws the position",
-        _lost_route(whole).implies(_restrictive(whole) & ~_of_source(whole, "valid")),
+        _lost_route(whole).implies(withdrawn(whole)),
         statement="in each cycle in which no route is left, and up to the next start, neither the host nor the reflector machine has a position",
         requirements=("RFL-D6", "RFL-D3"),
     )
     yield for_all_inputs(
         "a refuted authority withdraws the position",
-        (_of_route(whole, "refutes_authority") | _astray(whole)).implies(
-            _restrictive(whole) & ~_of_source(whole, "valid")
-        ),
+        (_of_route(whole, "refutes_authority") | astray(whole)).implies(withdrawn(whole)),
         statement="in each cycle in which the route of the movement authority is impossible, or the course at a switch is not the permitted one, "
         "neither the host nor the reflector machine has a position",
         requirements=("RFL-12", "RFL-D6"),
@@ -174,15 +154,13 @@ def _lost(whole: ReflectorRoute) -> Iterator[Property]:
 def _only_lost(whole: ReflectorRoute) -> Iterator[Property]:
     yield for_all_inputs(
         "no position without a branch",
-        (~_restrictive(whole)).implies(_carrying(whole)),
+        (~restrictive(whole)).implies(_carrying(whole)),
         statement="the host has a position only in cycles in which a route is possible",
     )
     heard = whole.composition.of(whole.source.machine).bool(whole.source.own.contradicted)
-    groups = whole.groups.machine
-    disproved = whole.composition.of(groups).num(groups.output("reason")).eq(CONTRADICTION)
     yield for_all_inputs(
         "route, course and groups contradict, and nothing else",
-        heard.iff(any_of([_lost_route(whole), _of_route(whole, "refutes_authority"), _astray(whole), disproved])),
+        heard.iff(any_of([_lost_route(whole), _of_route(whole, "refutes_authority"), astray(whole), disproved(whole)])),
         statement="a contradiction is wired to the reflector machine exactly in the cycles in which the route is lost, the permitted route or course "
         "is refuted, or groups contradict the position",
         requirements=("RFL-D6", "RFL-12", "RFL-D3"),
@@ -201,7 +179,6 @@ def _told_why(whole: ReflectorRoute) -> Iterator[Property]:
 
 
 def _withdrawn(whole: ReflectorRoute) -> Iterator[Property]:
-    restrictive, located = _restrictive(whole), _of_source(whole, "valid")
     yield for_all_inputs(
         "only a start ends a lost route",
         (earlier_bool(_lost_route(whole)) & ~_lost_route(whole)).implies(
@@ -209,19 +186,15 @@ def _withdrawn(whole: ReflectorRoute) -> Iterator[Property]:
         ),
         statement="a lost route is lost up to a cycle in which a group passed every check and routes begin there",
     )
-    yield for_all_inputs(
+    yield only_a_reference(
+        whole,
         "only an accepted group or a reflector ends a loss",
-        (earlier_bool(restrictive) & ~restrictive).implies((_accepted(whole) | _measured(whole)) & _carrying(whole)),
-        statement="the restrictive state is left only in a cycle in which a group passed every check or a reflector was recognised, and a route is "
+        _carrying(whole),
+        "the restrictive state is left only in a cycle in which a group passed every check or a reflector was recognised, and a route is "
         "carried",
-        requirements=("RFL-D6", "RFL-5"),
+        ("RFL-D6", "RFL-5"),
     )
-    yield for_all_inputs(
-        "only an accepted group anchors",
-        (located & ~earlier_bool(located)).implies(_accepted(whole)),
-        statement="the reflector machine reports a position again only in a cycle in which the balise machine accepted a group",
-        requirements=("RFL-5", "RFL-D3"),
-    )
+    yield only_an_accepted_group(whole)
 
 
 # ------------------------------------------------------------------ what a route begins from
@@ -229,13 +202,13 @@ def _withdrawn(whole: ReflectorRoute) -> Iterator[Property]:
 
 def _starts(whole: ReflectorRoute) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
-    groups, map_ = whole.composition.of(whole.groups.machine), whole.composition.of(whole.starts.machine)
-    position, below, above = (groups.num(whole.groups.machine.output(name)) for name in INTERVAL)
+    map_ = whole.composition.of(whole.starts.machine)
+    position, below, above = interval_of(whole, whole.groups.machine)
     place = map_.num(whole.starts.place.value)
     behind, ahead = place - position + below, position - place + above
     farther = ite(behind > ahead, behind, ahead)
     few = farther <= whole.config.route.start_error_mm
-    given = all_of([_accepted(whole), map_.bool(whole.starts.place.present), few])
+    given = all_of([accepted(whole), map_.bool(whole.starts.place.present), few])
     yield for_all_inputs(
         "a route begins at every accepted group that is a start",
         hears_value(into, own.start_error, given, farther),
@@ -332,14 +305,9 @@ def _courses(whole: ReflectorRoute) -> Iterator[Property]:
 
 def _watched(whole: ReflectorRoute) -> Iterator[Property]:
     own, into = whole.course.own, whole.composition.of(whole.course.machine)
-    watching = whole.composition.of(whole.groups.machine)
-    low, high, limit = into.num(own.low), into.num(own.high), whole.config.turn_off.position_limit_mm
-    position, below, above = (watching.num(whole.groups.machine.output(name)) for name in INTERVAL)
-    front, rear = position + above, position - below
-    told = (high.eq(front) | (high.eq(limit) & (front > limit))) & (low.eq(rear) | (low.eq(-limit) & (rear < -limit)))
     yield for_all_inputs(
         "the course is judged by the balise machine's interval",
-        ite(_flag(whole, whole.groups.machine, "valid"), told, low.eq(-limit) & high.eq(limit)),
+        judged_by(whole, whole.groups.machine),
         statement="before, on and beyond a switch are judged by the ends of the balise machine's interval, as far as they are on the line, and by "
         "those of the line without one",
         requirements=("RFL-12",),
@@ -348,7 +316,7 @@ def _watched(whole: ReflectorRoute) -> Iterator[Property]:
     place = shown.num(switch.value)
     yield for_all_inputs(
         "a switch is taken up only ahead of the interval",
-        hears_value(into, own.switch_position, shown.bool(switch.present) & (place > high), place),
+        hears_value(into, own.switch_position, shown.bool(switch.present) & (place > into.num(own.high)), place),
         statement="the map's next switch is watched from where the whole interval lies before it, and no other one",
         requirements=("RFL-12",),
     )
@@ -385,31 +353,4 @@ def _lost_route(whole: ReflectorRoute) -> Bool:
 
 
 def _of_route(whole: ReflectorRoute, output: str) -> Bool:
-    return _flag(whole, whole.route.machine, output)
-
-
-def _astray(whole: ReflectorRoute) -> Bool:
-    """The course at a switch is not the permitted one."""
-    return _flag(whole, whole.course.machine, "contradicts")
-
-
-def _of_source(whole: ReflectorRoute, output: str) -> Bool:
-    return _flag(whole, whole.source.machine, output)
-
-
-def _measured(whole: ReflectorRoute) -> Bool:
-    """The reflector machine measures a reflector that it recognised."""
-    return _of_source(whole, "precise") & _of_source(whole, "recognised")
-
-
-def _restrictive(whole: ReflectorRoute) -> Bool:
-    return _flag(whole, whole.restrictive, "restrictive")
-
-
-def _accepted(whole: ReflectorRoute) -> Bool:
-    """The balise machine reports a position, and the telegram of this cycle passed every check."""
-    return _flag(whole, whole.groups.machine, "reference_accepted")
-
-
-def _flag(whole: ReflectorRoute, machine: Machine, output: str) -> Bool:
-    return whole.composition.of(machine).bool(machine.flag(output))
+    return flag(whole, whole.route.machine, output)

@@ -1,8 +1,9 @@
-"""The reflector device as one: odometer, balise reader, radar, restrictive state, and the stop at a platform (RFL-1, -5, -9, -D7).
+"""The reflector device as one: odometer, balise reader, direction, radar, restrictive state, stop at a platform (RFL-1, -5, -9, -D5, -D7).
 
     motion       the odometer that all machines share, and the true movement
     balise       judges every telegram by linking and expectation window
     line         no machine on board: the map's next reflector, and the law on its distance from a group
+    travel_direction  finds the direction of travel from the models of the reflectors before and after an accepted group
     reflector    anchored by what the balise machine accepted, with that machine's interval; measures reflectors from there
     turn_off     sees by the reflector behind a switch whether the vehicle turns off
     delocalized  passes the position on, or makes the vehicle restrictive
@@ -13,6 +14,11 @@ holds the front end is not assumed: the containment of the balise machine proves
 reflector machine, which began from the same groups, withdraws it as well. Where the vehicle takes another course than it is
 permitted to, the host gets no position, in the same step. The order to brake counts from the max safe front end
 of the interval that the host gets.
+
+The comparison of measurement and map is one of distance and of direction (source l. 285 to 295). Where the direction is another one than route
+and movement authority give, it has failed, as where groups contradict: the reflector machine withdraws the position in that step. A group counts
+for the direction only if the balise machine accepted it. Places grow in the direction of travel, so the vehicle turned where it is measured behind
+the farthest place that it reached, or where no distance is measured: then the reflectors that it passed no longer count.
 """
 
 from __future__ import annotations
@@ -20,20 +26,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Expr, Var, as_num, ite, maximum, minimum
+from safeloc.language.expr import Bool, Expr, Var, ite
 from safeloc.language.machine import Machine
-from safeloc.language.units import MM
-from safeloc.models import balise, delocalized, reflector, stop_point, turn_off
+from safeloc.models import balise, delocalized, reflector, stop_point, travel_direction, turn_off
 from safeloc.models.motion import Motion
-from safeloc.models.reflector_device.anchored import Anchored, anchored, present
+from safeloc.models.reflector_device.anchored import Anchored, anchored, judged_by
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.line import Line
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import parts as stop_parts
 from safeloc.models.stop_point.world import REPORTED
+from safeloc.models.travel_direction import TravelDirection
 from safeloc.models.turn_off import TurnOff
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
+from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 
 __all__ = ["ReflectorDevice", "ReflectorDeviceConfig", "compose_machines"]
@@ -49,6 +56,7 @@ class ReflectorDevice:
     motion: Motion
     groups: balise.Balise
     line: Line
+    direction: TravelDirection
     source: reflector.ReflectorMachine
     course: TurnOff
     restrictive: Machine
@@ -60,12 +68,16 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     config = config or ReflectorDeviceConfig()
     located = anchored(config)
     moves, map_, source = located.motion, located.line, located.source
+    direction = travel_direction.build(travel_direction.parts())
     course = turn_off.build(turn_off.parts(config.turn_off))
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
     stop = stop_point.build(stop_parts(config.stop))
     wires: dict[Var, Expr] = {
         **located.wires,
+        direction.own.balise_read: located.accepted,
+        direction.own.backwards: _turned(located.groups),
+        source.own.contradicted: located.contradicted | direction.machine.flag("contradicts"),
         **_into_course(map_, source, course),
         **_into_host(located, course, behind),
         **_into_stop(restrictive, source, stop),
@@ -73,7 +85,9 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     }
     whole = compose(
         NAME,
-        [*located.before_the_reflectors, source.machine, course.machine, restrictive, stop.machine],
+        [
+            *located.before_the_reflectors, direction.machine, source.machine, course.machine, restrictive, stop.machine,
+        ],
         wires,
         shared=moves.shared,
         discharge=[
@@ -82,7 +96,13 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
             Clause(stop.machine, REPORTED),
         ],
     )  # fmt: skip
-    return ReflectorDevice(config, whole, moves, located.groups, map_, source, course, restrictive, stop)
+    return ReflectorDevice(config, whole, moves, located.groups, map_, direction, source, course, restrictive, stop)
+
+
+def _turned(groups: balise.Balise) -> Bool:
+    """Return whether the vehicle is measured behind the farthest place that it reached, or may have run unmeasured."""
+    heading = groups.own.heading
+    return heading.backwards | (heading.rolled > 0) | groups.machine.output("odometer").ne(ADMITTED)
 
 
 def _into_host(located: Anchored, course: TurnOff, behind: delocalized.Parts) -> dict[Var, Expr]:
@@ -98,20 +118,11 @@ def _into_host(located: Anchored, course: TurnOff, behind: delocalized.Parts) ->
 def _into_course(map_: Line, source: reflector.ReflectorMachine, course: TurnOff) -> dict[Var, Expr]:
     """Return the wires of the course: the image of the reflector behind the switch, and the interval, or the whole line without one."""
     machine, own = source.machine, course.own
-    position, below, above = wired_interval(machine)
-    limit, valid = own.high.high, machine.flag("valid")
-    high = ite(valid, minimum(position + above, limit), as_num(limit, MM))
     same = map_.switch_reflector.present & machine.output("reflector_position_mm").eq(map_.switch_reflector.value)
     return {
         own.measured: machine.flag("precise") & same,
         own.lateral: machine.output("lateral_mm"),
-        own.low: ite(valid, maximum(position - below, -limit), as_num(-limit, MM)),
-        own.high: high,
-        **present(
-            own.switch_position,
-            map_.switch_position.present & (map_.switch_position.value > high),
-            map_.switch_position.value,
-        ),
+        **judged_by(machine, course, map_.switch_position),
     }
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause
-from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, between, ite, maximum
+from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, between, ite, maximum, minimum
 from safeloc.language.machine import Machine
 from safeloc.language.system import canonical
 from safeloc.language.units import MM
@@ -21,6 +21,7 @@ from safeloc.models.motion import Motion
 from safeloc.models.reflector.world import PRESCRIBED, READING
 from safeloc.models.reflector_device.configuration import AnchoredConfig
 from safeloc.models.reflector_device.line import Line, line
+from safeloc.models.turn_off import TurnOff
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 
@@ -129,6 +130,19 @@ def _distances(groups: balise.Balise, map_: Line, source: reflector.ReflectorMac
 def _disproved(groups: balise.Balise) -> Bool:
     """Return whether the balise machine withholds its position because groups contradict it: what was anchored by it is withdrawn too."""
     return groups.machine.output("reason").eq(CONTRADICTION)
+
+
+def judged_by(machine: Machine, course: TurnOff, switch: Optional) -> dict[Var, Expr]:
+    """Return the wires of the course: a machine's interval, or the whole line without one, and the map's switch while it lies ahead of that."""
+    own = course.own
+    position, below, above = wired_interval(machine)
+    limit, valid = own.high.high, machine.flag("valid")
+    high = ite(valid, minimum(position + above, limit), as_num(limit, MM))
+    return {
+        own.low: ite(valid, maximum(position - below, -limit), as_num(-limit, MM)),
+        own.high: high,
+        **present(own.switch_position, switch.present & (switch.value > high), switch.value),
+    }
 
 
 def present(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:

@@ -26,6 +26,7 @@ from safeloc.models.reflector.simulate import Scene as RadarScene
 from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector_device import NAME, compose_machines
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.reflector_device.met_models import met_models
 from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
 from safeloc.models.turn_off.simulate import SwitchAhead, shift_mm
 from safeloc.proof.drawn_runs.worked import WorkedRun, write_runs
@@ -53,6 +54,7 @@ class Scene:
     at_groups     faults of groups, by identity; `odometer`: faults of the odometer `wheel`, in cycles
     contradicted  cycles in which the route machine says that the route is contradicted
     switch        a facing switch on the way; map and movement authority name the course `authorised` there
+    along         the line counts in the direction of the run, which is the permitted one; else the vehicle runs against it
     stops         stop points of a platform; the mission selects the first one, and leaves it in the last cycle
     """
 
@@ -64,6 +66,7 @@ class Scene:
     contradicted: range = field(default=range(0))
     switch: SwitchAhead | None = None
     authorised: str = "UNDECIDED"
+    along: bool = True
     stops: tuple[StopPlace, ...] = ()
     says: str = ""
 
@@ -86,7 +89,8 @@ SCENES: Mapping[str, Scene] = {
         RadarScene(LINE, pauses=0, dropout=0),
         says="The second group confirms the first. The telegram of the third tells the distance to reflector A: it is measured there, "
         "and passes the self-test. Reflector B is found 170 m after A is passed. Far from any group and reflector the tolerance is "
-        "exceeded; two groups later the position is back, and the last telegram lets the search begin too late for a self-test.",
+        "exceeded; two groups later the position is back, and the last telegram lets the search begin too late for a self-test. Reflectors B and C, before and "
+        "behind these groups, tell that the vehicle runs along the line, as it is permitted to.",
     ),
     "rejected": Scene(
         [(1_600_000, 20_000, 700, 2.0)],
@@ -96,6 +100,14 @@ SCENES: Mapping[str, Scene] = {
         says="The telegram of the third group is corrupted. The balise machine rejects it, and the reflector machine gets nothing of it, "
         "neither a place nor the distance to reflector A: no self-test, and no reflector counts. The position is lost, and comes back "
         "with the next groups that are accepted.",
+    ),
+    "wrong-way": Scene(
+        [(1_600_000, 20_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        along=False,
+        says="The run along the line, on one that counts the other way: the models are met in the other order, and the vehicle runs against the "
+        "direction that it is permitted to. The host gets no position from the cycle in which reflector C shows that.",
     ),
     "stop": Scene(
         [(354_500, 15_000, 600, 4.0), (-4_500, 600, 300, 4.0)],
@@ -128,12 +140,13 @@ def simulate(config: ReflectorDeviceConfig, scene: Scene, *, seed: int) -> Steps
     return _Run(config, scene, motion, measured, np.random.default_rng(seed + 1)).steps(groups)
 
 
-def first_state(config: ReflectorDeviceConfig) -> dict[str, Value]:
-    """Return first values of the open variables: the vehicle stands at place 0."""
+def first_state(config: ReflectorDeviceConfig, *, along: bool = True) -> dict[str, Value]:
+    """Return first values of the open variables: the vehicle stands at place 0, in the direction of the run."""
     checked: dict[str, Value] = {
         "odometer_wander_nm": 0, "motion.lawful_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value
     }  # fmt: skip
-    return {"truth_nm": 0, **(checked if config.motion.check is not None else {})}
+    first: dict[str, Value] = {"truth_nm": 0, "travel_direction.runs_along": along}
+    return first | (checked if config.motion.check is not None else {})
 
 
 def simulated(config: ReflectorDeviceConfig, seed: int) -> Steps:
@@ -173,7 +186,7 @@ class _Run:
     def _step(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
         own = {f"balise.{name}": cell for name, cell in read.items() if name not in _OF_THE_VEHICLE}
         step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
-        step |= self._switch(cycle, step)
+        step |= self._switch(cycle, step) | self._direction(cycle, read="telegram_group" in read)
         given = {name: cell for name, cell in step.items() if name in self._known}
         self._state, _ = self._board.step(self._state, self._board.read(given))
         return step
@@ -199,6 +212,12 @@ class _Run:
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
         whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
         return {f"{'line' if name in _OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
+
+    def _direction(self, cycle: int, *, read: bool) -> dict[str, Cell]:
+        """Return the models that the vehicle meets in a cycle, and the permitted direction."""
+        last, here = (int(self._motion.position_nm[max(at, 0)]) // NM_PER_MM for at in (cycle - 1, cycle))
+        seen = dict(met_models(self._scene.radar.route.reflectors, last, here, along=self._scene.along, read=read))
+        return {f"travel_direction.{name}": cell for name, cell in {**seen, "route_direction": "ALONG"}.items()}
 
     def _switch(self, cycle: int, step: Mapping[str, Cell]) -> dict[str, Cell]:
         """Return map and ghosts of the switch in a cycle, and the image of the reflector behind it, which moves as the vehicle turns off."""
@@ -249,9 +268,8 @@ def _ghosts(course: str, lateral_mm: int, shift_mm: int) -> dict[str, Cell]:
 
 
 def _worked(scene: Scene) -> WorkedRun[ReflectorDeviceConfig]:
-    return WorkedRun(
-        scene.says, lambda config: simulate(config, scene, seed=SEED), first_state(ReflectorDeviceConfig())
-    )
+    first = first_state(ReflectorDeviceConfig(), along=scene.along)
+    return WorkedRun(scene.says, lambda config: simulate(config, scene, seed=SEED), first)
 
 
 def write(folder: Path = FOLDER) -> list[Path]:

@@ -15,14 +15,16 @@ from safeloc.properties import balise as balise_claims
 from safeloc.properties import delocalized as delocalized_claims
 from safeloc.properties import reflector as reflector_claims
 from safeloc.properties import reflector_device as claims
+from safeloc.properties import reflector_device_direction as claims_on_direction
 from safeloc.properties import stop_point as stop_claims
+from safeloc.properties import travel_direction as direction_claims
 from safeloc.properties import turn_off as course_claims
 from safeloc.runtime.streams.steps import Cell
 from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
-    "Odometer, balise reader and radar, with the course at switches, the restrictive state and the stop at a platform behind them, in one step: reflectors "
-    "are measured from where the balise machine accepted a group."
+    "Odometer, balise reader, direction of travel and radar, with the course at switches, the restrictive state and the stop at a platform behind them, in one "
+    "step: reflectors are measured from where the balise machine accepted a group, and a direction that is not the permitted one ends the position."
 )
 REPORTED = interval_of_the_host(truth="truth_nm")
 
@@ -30,7 +32,8 @@ REPORTED = interval_of_the_host(truth="truth_nm")
 def target(config: ReflectorDeviceConfig) -> Target:
     """Make the composition, with the properties of each of its machines."""
     whole = reflector_device.compose_machines(config)
-    properties, system = tuple(claims.properties(whole)), whole.composition.system
+    properties = (*claims.properties(whole), *claims_on_direction.properties(whole))
+    system = whole.composition.system
     return Target(
         NAME, system.machines, system, properties, config, DOC, recorded(NAME), REPORTED, partial(_simulated, config),
         members=_members(whole),
@@ -41,6 +44,7 @@ def _members(whole: ReflectorDevice) -> dict[str, tuple[Property, ...]]:
     """The properties of each machine by itself; motion and the line have none."""
     return {
         whole.groups.machine.name: tuple(balise_claims.properties(whole.groups)),
+        whole.direction.machine.name: tuple(direction_claims.properties(whole.direction)),
         whole.source.machine.name: tuple(reflector_claims.properties(whole.source)),
         whole.course.machine.name: tuple(course_claims.properties(whole.course)),
         whole.restrictive.name: tuple(delocalized_claims.properties(whole.restrictive, whole.config.host)),
@@ -57,19 +61,26 @@ def _simulated(config: ReflectorDeviceConfig, seed: int) -> Sequence[Mapping[str
 ENTRIES = (
     Entry(
         NAME,
-        "balises and reflectors as one device: odometer, balise reader, radar, course at switches, restrictive state, stop at a platform",
+        "balises and reflectors as one device: odometer, balise reader, direction of travel, radar, course at switches, restrictive state, "
+        "stop at a platform",
         ReflectorDeviceConfig,
         target,
         Family.MARKERS,
         place=70,
         simulates=True,
-        members=("motion", "balise", "line", "reflector", "turn_off", "delocalized", "stop_point"),
+        members=("motion", "balise", "line", "travel_direction", "reflector", "turn_off", "delocalized", "stop_point"),
         pairs_of=("balise", "reflector", "turn_off", "stop_point"),
         configurations=CONFIGURATIONS,
         records_of={"front_wheel_mm": "motion.odometer_mm"},
         hazard=Hazard(
-            "a false course through a switch is reported, or the train is not braked in time for its stop",
-            ("turn_off: course is true", "brake order in time"),
+            "a false course through a switch is reported, the train is not braked in time for its stop, or it keeps a position while it runs against its "
+            "permitted direction",
+            (
+                "turn_off: course is true",
+                "brake order in time",
+                "a contradicted direction withdraws the position",
+                "travel_direction: direction is true",
+            ),
         ),
     ),
 )

@@ -18,13 +18,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Bool, Expr, Var, all_of, as_num, between, exact_to, ite, maximum, minimum
+from safeloc.language.expr import Bool, Expr, Var, all_of, as_num, between, exact_to, ite
 from safeloc.language.machine import Machine
-from safeloc.language.units import MM, NM
+from safeloc.language.units import NM
 from safeloc.models import balise, delocalized, reflector, route, turn_off
 from safeloc.models.localizer.sources import distance_of_motion, law_of_motion
 from safeloc.models.motion import Motion
-from safeloc.models.reflector_device.anchored import Anchored, anchored, present
+from safeloc.models.reflector_device.anchored import Anchored, anchored, judged_by, present
 from safeloc.models.reflector_device.line import Line
 from safeloc.models.reflector_route.configuration import ReflectorRouteConfig
 from safeloc.models.reflector_route.radar import Radar, radar
@@ -75,7 +75,7 @@ def compose_machines(config: ReflectorRouteConfig | None = None) -> ReflectorRou
     restrictive = delocalized.build(behind)
     wires: dict[Var, Expr] = {
         **located.wires,
-        **_into_course(located, map_, course),
+        **judged_by(located.groups.machine, course, map_.switch_position),
         **distance_of_motion(branch.own.odometer.measured, branch.own.odometer.more, moves),
         **_into_route(located, map_, branch),
         **_seen_by_route(frame, course, branch),
@@ -106,19 +106,6 @@ def _moving(config: ReflectorRouteConfig, moves: Motion) -> Moved:
     own, seen = moved(config.route.physics, config.route.odometer.wander_nm), moves.own.ghosts
     own = replace(own, true_cycle_distance=seen.true_cycle_distance)
     return own if seen.units is None else replace(own, wander=seen.units.reported, next_wander=seen.units.next_reported)
-
-
-def _into_course(located: Anchored, map_: Starts, course: TurnOff) -> dict[Var, Expr]:
-    """Return the wires of the course: the balise machine's interval, or the whole line without one, and the switch ahead of it."""
-    machine, own, switch = located.groups.machine, course.own, map_.switch_position
-    position, below, above = wired_interval(machine)
-    limit, valid = own.high.high, machine.flag("valid")
-    high = ite(valid, minimum(position + above, limit), as_num(limit, MM))
-    return {
-        own.low: ite(valid, maximum(position - below, -limit), as_num(-limit, MM)),
-        own.high: high,
-        **present(own.switch_position, switch.present & (switch.value > high), switch.value),
-    }
 
 
 def _into_route(located: Anchored, map_: Starts, branch: Route) -> dict[Var, Expr]:

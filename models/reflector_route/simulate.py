@@ -21,7 +21,7 @@ from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_runs
 from safeloc.runtime.streams.steps import Cell
 
 FOLDER, SEED = Path(__file__).with_name("recordings"), 7
-_OTHERS = ("stop_point.", "line.switch_", "line.route_contradicted")
+_OTHERS = ("stop_point.", "travel_direction.", "line.switch_", "line.route_contradicted")
 """Machines and inputs of the reflector device that are not composed here, or that a machine gives."""
 _OF_THE_FRAME = ("frame_present", "range_mm", "error_mm", "model", "intensity_cdb", "lateral_mm")
 """Inputs of the reflector machine that the radar's frame shares with it, by the ends of their names."""
@@ -187,7 +187,8 @@ def first_state(config: ReflectorRouteConfig, course: Course) -> dict[str, Value
             "turn_off.true_course": turned,
             "turn_off.true_lateral_mm": switch.lateral_mm,
         }
-    return {**device.first_state(config.device), **ghosts}
+    driven = {name: value for name, value in device.first_state(config.device).items() if not name.startswith(_OTHERS)}
+    return {**driven, **ghosts}
 
 
 def _worked(course: Course) -> WorkedRun[ReflectorRouteConfig]:

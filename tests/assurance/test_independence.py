@@ -150,7 +150,6 @@ def test_what_an_output_may_be_is_put_out() -> None:
         "guard",
         "marker_device",
         "reflector_device",
-        "reflector_direction",
         "reflector_route",
         "localizer",
     ],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -24,14 +24,12 @@ from safeloc.models.turn_off import TurnOffConfig
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION
-from safeloc.proof.provers.implication import Refuted
 from safeloc.properties.reflector_device import properties
-from tests.models.composed_devices import Runs, flag, holds, input_of
-from tests.models.owed_contracts import Wires, contract, rewired
-from tests.shipped_recordings import shipped
+from tests.models.anchored_wires import whatever_is_reported
+from tests.models.composed_devices import Runs, Wiring, Wrong, flag, input_of
+from tests.models.owed_contracts import Wires
 
-Wrong = Callable[[ReflectorDevice, Wires], Wires]
-"""The wires that are wrong, of the device and of its right wires."""
+DEVICE = Wiring(reflector_device, properties)
 
 
 # ------------------------------------------------------------------ contracts
@@ -48,6 +46,8 @@ def test_only_the_laws_of_sensors_are_assumed() -> None:
     left = {var.name for var in system.inputs}
     assert not {name for name in left if name.startswith(("reflector.balise", "delocalized.", "turn_off.position"))}
     assert not left & {"turn_off.reflector_measured", "turn_off.lateral_mm", "turn_off.switch_position_mm"}
+    assert not left & {"travel_direction.balise_read", "travel_direction.backwards", "reflector.route_contradicted"}
+    assert {"travel_direction.passed_model", "travel_direction.ahead_model", "travel_direction.route_direction"} <= left
     assert not {name for name in left if name.startswith("stop_point.") and ("position" in name or "margin" in name)} - {
         "stop_point.stop_1_position_mm", "stop_point.stop_1_position_mm.present", "stop_point.stop_2_position_mm",
         "stop_point.stop_2_position_mm.present", "stop_point.reposition_permitted",
@@ -71,9 +71,7 @@ _OF_THE_HOST = "delocalized: a passed position holds the truth"
 )
 def test_each_contract_follows_from_the_machines_before(owner: str, lemmas: tuple[str, ...]) -> None:
     """And not without their containment."""
-    whole = compose_machines()
-    assert None is contract(whole.composition, owner)
-    assert isinstance(contract(whole.composition, owner, *lemmas), Refuted)
+    assert DEVICE.owes(owner, *lemmas)
 
 
 # ------------------------------------------------------------------ wires exchanged on purpose
@@ -145,10 +143,6 @@ def _host_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
     return {above: right[below], below: right[above]}
 
 
-def _always_a_reference(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {input_of(whole.restrictive, "reference_accepted"): TRUE}
-
-
 def _stop_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
     own = whole.stop.own
     return {own.above: right[own.below], own.below: right[own.above]}
@@ -178,10 +172,6 @@ def _switch_given_late(whole: ReflectorDevice, _: Wires) -> Wires:
 def _one_end(whole: ReflectorDevice, right: Wires) -> Wires:
     """The near end of the interval for both."""
     return {whole.course.own.high: right[whole.course.own.low]}
-
-
-def _astray_is_passed_on(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {input_of(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
 
 
 def _stop_by_the_balise(whole: ReflectorDevice, right: Wires) -> Wires:
@@ -254,9 +244,8 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the image of any reflector": (_any_image, "only the reflector behind the switch shows the course"),
     "a switch given late": (_switch_given_late, "contract of turn_off"),
     "one end of the interval for both": (_one_end, "the course is judged by the reported interval"),
-    "another course is passed on": (_astray_is_passed_on, "a course that is not permitted withdraws the position"),
+    "another course is passed on": (whatever_is_reported, "a course that is not permitted withdraws the position"),
     "the host's margins exchanged": (_host_margins_exchanged, "contract of delocalized"),
-    "every cycle a reference": (_always_a_reference, "only a group or a reflector ends a loss"),
     "the balise's position for the host": (_balise_position_for_the_host, "contract of delocalized"),
     "the stop's margins exchanged": (_stop_margins_exchanged, "contract of stop_point"),
     "a stop without a position": (_stop_without_a_position, "without a position nothing moves"),
@@ -280,17 +269,14 @@ def _counts(whole: ReflectorDevice) -> Bool:
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the contract or the claim that is named, which the right wires keep."""
-    wrong, claim = WRONG[name]
-    whole = rewired(reflector_device, compose_machines, wrong, monkeypatch)
-    assert not holds(whole.composition, properties(whole), claim)
+    assert DEVICE.loses(*WRONG[name], monkeypatch)
 
 
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
 def test_the_right_wires_keep_it(claim: str) -> None:
     """So that a refusal is due to the wire."""
-    whole = compose_machines()
-    assert holds(whole.composition, properties(whole), claim)
+    assert DEVICE.keeps(claim)
 
 
 # ------------------------------------------------------------------ recordings
@@ -354,8 +340,7 @@ def test_another_course_than_permitted_ends_the_report() -> None:
 @pytest.mark.thorough
 def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
     """To the byte."""
-    for path in write(tmp_path):
-        assert shipped(path.name.removesuffix(".jsonl.gz")).read_bytes() == path.read_bytes()
+    assert RUNS.are_written(write, tmp_path)
 
 
 # ------------------------------------------------------------------ configuration

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.expr import FALSE, TRUE, any_of, as_num, ite, minimum
+from safeloc.language.expr import FALSE, any_of, as_num, ite, minimum
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models import reflector_route
 from safeloc.models.reflector.world import PRESCRIBED, READING
@@ -22,14 +22,12 @@ from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.reasons import CONTRADICTION as CONTRADICTED
 from safeloc.models.vocabulary.reflectors import NO_MODEL
-from safeloc.proof.provers.implication import Refuted
 from safeloc.properties.reflector_route import properties
-from tests.models.composed_devices import Runs, flag, holds, input_of
-from tests.models.owed_contracts import Wires, contract, rewired
-from tests.shipped_recordings import shipped
+from tests.models.anchored_wires import always_a_reference, balise_for_the_host, whatever_is_reported
+from tests.models.composed_devices import Runs, Wiring, Wrong, flag, input_of
+from tests.models.owed_contracts import Wires
 
-Wrong = Callable[[ReflectorRoute, Wires], Wires]
-"""The wires that are wrong, of the device and of its right wires."""
+DEVICE = Wiring(reflector_route, properties)
 
 
 # ------------------------------------------------------------------ contracts
@@ -61,9 +59,7 @@ def test_only_the_laws_of_sensors_and_map_are_assumed() -> None:
 )
 def test_each_contract_follows_from_the_machines_before(owner: str, lemma: str) -> None:
     """And not without their containment."""
-    whole = compose_machines()
-    assert None is contract(whole.composition, owner)
-    assert isinstance(contract(whole.composition, owner, lemma), Refuted)
+    assert DEVICE.owes(owner, lemma)
 
 
 # ------------------------------------------------------------------ wires exchanged on purpose
@@ -92,10 +88,6 @@ def _undecided_contradicts(whole: ReflectorRoute, right: Wires) -> Wires:
     _, undecided, *_ = whole.route.machine.modes
     heard = whole.line.contradicted
     return {heard: flag(right[heard]) | whole.route.machine.mode.eq(undecided)}
-
-
-def _without_a_route(whole: ReflectorRoute, _: Wires) -> Wires:
-    return {input_of(whole.restrictive, "source_valid"): whole.source.machine.flag("valid")}
 
 
 def _no_reason(whole: ReflectorRoute, _: Wires) -> Wires:
@@ -169,21 +161,6 @@ def _nothing_sighted(whole: ReflectorRoute, _: Wires) -> Wires:
     return {own.sighting_range.present: FALSE, own.sighting_range.value: as_num(0, MM), own.sighting_model: NO_MODEL}
 
 
-def _always_a_reference(whole: ReflectorRoute, _: Wires) -> Wires:
-    return {input_of(whole.restrictive, "reference_accepted"): TRUE}
-
-
-def _balise_for_the_host(whole: ReflectorRoute, _: Wires) -> Wires:
-    """The host gets the balise machine's whole interval, which no route withdraws."""
-    machine, (position, below, above) = whole.restrictive, wired_interval(whole.groups.machine)
-    return {
-        input_of(machine, "source_valid"): whole.groups.machine.flag("valid"),
-        input_of(machine, "source_position_mm"): position,
-        input_of(machine, "source_margin_below_mm"): below,
-        input_of(machine, "source_margin_above_mm"): above,
-    }
-
-
 _LOST, _START = "a lost route withdraws the position", "a route begins at every accepted group that is a start"
 _SIGHTING = "a sighting is an echo that the reflector machine hears"
 _NOTHING_ELSE = "route, course and groups contradict, and nothing else"
@@ -192,7 +169,7 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "only contradictions withdraw": (_only_contradictions, _LOST),
     "a refuted authority unheard": (_authority_unheard, "a refuted authority withdraws the position"),
     "an undecided switch contradicts": (_undecided_contradicts, _NOTHING_ELSE),
-    "a position without a route": (_without_a_route, "no position without a branch"),
+    "a position without a route": (whatever_is_reported, "no position without a branch"),
     "one reason for all": (_no_reason, "the host is told why no branch is carried"),
     "a raw telegram begins a route": (_raw_telegram, _START),
     "the nearer end of the interval": (_nearer_end, "contract of route"),
@@ -206,8 +183,8 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "weak echoes are sightings": (_weak_echoes, _SIGHTING),
     "the echo's error alone": (_error_of_the_echo, _SIGHTING),
     "nothing is sighted": (_nothing_sighted, _SIGHTING),
-    "every cycle a reference": (_always_a_reference, "only an accepted group or a reflector ends a loss"),
-    "the balise's interval for the host": (_balise_for_the_host, "the host gets the reflector machine's interval"),
+    "every cycle a reference": (always_a_reference, "only an accepted group or a reflector ends a loss"),
+    "the balise's interval for the host": (balise_for_the_host, "the host gets the reflector machine's interval"),
 }
 """Wires exchanged on purpose, and what is no longer proved: a contract, or a claim of the whole."""
 
@@ -216,17 +193,14 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_wire_is_not_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each is refused by the contract or the claim that is named, which the right wires keep."""
-    wrong, claim = WRONG[name]
-    whole = rewired(reflector_route, compose_machines, wrong, monkeypatch)
-    assert not holds(whole.composition, properties(whole), claim)
+    assert DEVICE.loses(*WRONG[name], monkeypatch)
 
 
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("claim", sorted({claim for _, claim in WRONG.values()}))
 def test_the_right_wires_keep_it(claim: str) -> None:
     """So that a refusal is due to the wire."""
-    whole = compose_machines()
-    assert holds(whole.composition, properties(whole), claim)
+    assert DEVICE.keeps(claim)
 
 
 # ------------------------------------------------------------------ recordings
@@ -298,8 +272,7 @@ def test_a_lost_route_ends_the_position_in_its_cycle() -> None:
 @pytest.mark.thorough
 def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
     """To the byte."""
-    for path in write(tmp_path):
-        assert shipped(path.name.removesuffix(".jsonl.gz")).read_bytes() == path.read_bytes()
+    assert RUNS.are_written(write, tmp_path)
 
 
 # ------------------------------------------------------------------ configuration

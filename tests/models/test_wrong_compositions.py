@@ -109,7 +109,7 @@ def _passed_without_an_interval(of: Wired) -> Wires:
     return {of.to(f"{name}.present"): passed, of.to(name): ite(passed, place + config.antenna_mm, 0)}
 
 
-# ------------------------------------------------------------------ reflectors and direction, reflectors and route
+# ------------------------------------------------------------------ the reflector device, reflectors and route
 
 
 def _wider_of_the_reflectors(of: Wired) -> Wires:
@@ -345,13 +345,13 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("marker_device", _no_reason, _REASON),
     ("marker_device", _guards_interval_for_the_host, _INTERVAL),
     ("marker_device", cut("guard.advance"), "time passes for the guard in every cycle"),
-    ("reflector_direction", _wider_of_the_reflectors, "the host gets the reflector machine's interval"),
-    ("reflector_direction", _direction_unheard, "a contradicted direction withdraws the position"),
-    ("reflector_direction", cut("reflector.route_contradicted"), _CONTRADICTS),
-    ("reflector_direction", _read_is_accepted, "the direction counts accepted groups"),
-    ("reflector_direction", cut("travel_direction.balise_read"), "the direction counts accepted groups"),
-    ("reflector_direction", cut("travel_direction.backwards"), "a vehicle turns only where it is measured to"),
-    ("reflector_direction", _precise_reference, "only a reference in the permitted direction ends a loss"),
+    ("reflector_device", _wider_of_the_reflectors, "the host gets the reflector machine's interval"),
+    ("reflector_device", _direction_unheard, "a contradicted direction withdraws the position"),
+    ("reflector_device", cut("reflector.route_contradicted"), _CONTRADICTS),
+    ("reflector_device", _read_is_accepted, "the direction counts accepted groups"),
+    ("reflector_device", cut("travel_direction.balise_read"), "the direction counts accepted groups"),
+    ("reflector_device", cut("travel_direction.backwards"), "a vehicle turns only where it is measured to"),
+    ("reflector_device", _precise_reference, "only a reference in the permitted direction ends a loss"),
     ("reflector_route", _wider_of_the_reflectors, "the host gets the reflector machine's interval"),
     ("reflector_route", cut("line.route_contradicted"), "a lost route withdraws the position"),
     ("reflector_route", _told_is_carried, "the host gets every position on a route that is carried"),
