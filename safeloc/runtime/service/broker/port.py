@@ -15,7 +15,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from safeloc.runtime.service.broker.codes import Codes
-from safeloc.runtime.service.broker.connection import Came, Connection
+from safeloc.runtime.service.broker.connection import Connection
+from safeloc.runtime.service.broker.packets import Came
 from safeloc.runtime.service.broker.recent import Recent
 from safeloc.runtime.service.broker.topics import Topics
 from safeloc.runtime.service.feeds import Arrived, Event, Feed, Told

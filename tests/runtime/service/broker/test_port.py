@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from safeloc.runtime.service.broker.codes import Codes
-from safeloc.runtime.service.broker.connection import Came
+from safeloc.runtime.service.broker.packets import Came
 from safeloc.runtime.service.broker.port import Beside, PartitionPort
 from safeloc.runtime.service.broker.topics import Topics, partition_of
 from safeloc.runtime.service.feeds import Arrived, Told
