@@ -20,6 +20,7 @@ from safeloc.errors import SafelocError
 from safeloc.runtime.service.feeds import Event
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.metrics import Metrics
+from safeloc.runtime.service.roomy_stack import in_roomy_stack
 from safeloc.runtime.service.station import Work, trace
 from safeloc.runtime.service.supervised import Supervised
 
@@ -57,9 +58,7 @@ class Loop:
             with self._signals():
                 self._journal.info("started", pid=os.getpid(), machine=work.machine)
                 self._supervised.ready()
-                while not work.over and not self._stop:
-                    self._once()
-                    self._supervised.living()
+                in_roomy_stack(self._turns)
                 if work.over:
                     work.finish()
         except (SafelocError, BrokenPipeError):
@@ -70,6 +69,11 @@ class Loop:
             raise
         finally:
             self._end()
+
+    def _turns(self) -> None:
+        while not self._work.over and not self._stop:
+            self._once()
+            self._supervised.living()
 
     def _once(self) -> None:
         ready = self._selector.select(self._patience_s())
