@@ -198,11 +198,14 @@ class Station(Work):
         fleet, from_start = self._parts.fleet, self._parts.feed.from_start
         for event in events:
             match event:
-                case Arrived(origin, line, vehicle):
+                case Arrived():
+                    origin, line, vehicle = event
                     self._changed = True
                     if self._allowance is not None:
                         self._allowance.line_came(origin, len(line.text))
-                    self._tell(fleet.handle(origin, line, from_start=from_start, only=vehicle), origin)
+                    outputs = fleet.handle(origin, line, from_start=from_start, only=vehicle)
+                    if outputs:
+                        self._tell(outputs, origin)
                 case Left(origin, why):
                     fleet.gone(origin, why)
                     if self._allowance is not None:

@@ -112,7 +112,9 @@ def test_what_is_sent_keeps_its_order(peer: Peer) -> None:
     peer.one.acknowledge(7)
     peer.one.publish("lease", b"fourth", qos=1, retained=True)
     sent = peer.heard()
-    places = [sent.index(part) for part in (b"first", publish("report", b"second", retained=True), b"\x40\x02\0\7", b"fourth")]
+    places = [
+        sent.index(part) for part in (b"first", publish("report", b"second", retained=True), b"\x40\x02\0\7", b"fourth")
+    ]
     assert places == sorted(places)
 
 

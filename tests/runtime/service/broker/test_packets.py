@@ -46,7 +46,11 @@ def test_a_message_is_read_as_by_paho(topic: str, payload: bytes, mid: int, firs
     begin, end = found
     assert data[begin:end] == body
     came = read_publish(data[6], data, begin, end)
-    assert came == as_paho_reads(first, body) == Came(topic, payload, mid if first & 6 else 0, bool(first & 1), bool(first & 8))
+    assert (
+        came
+        == as_paho_reads(first, body)
+        == Came(topic, payload, mid if first & 6 else 0, bool(first & 1), bool(first & 8))
+    )
 
 
 @given(st.integers(0, 255), st.binary(max_size=40))
