@@ -49,7 +49,7 @@ persistence true
 persistence_location {folder}/
 autosave_interval 10
 """
-_REPORT = re.compile(rb'"cycle": ([0-9]+), "time_ms"')
+_REPORT = re.compile(rb'"cycle": ?([0-9]+), ?"time_ms"')
 
 
 class Wire:

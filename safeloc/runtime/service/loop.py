@@ -27,6 +27,13 @@ from safeloc.runtime.service.supervised import Supervised
 _TURN_S = 0.000_2
 """Seconds for which the thread that writes snapshots may occupy the interpreter before the loop continues."""
 
+_LONGER = 4
+"""How many times as long as `Work.gather_s` a process rests at most, when it has much to do."""
+
+_BUSY_SHARE = 1 / 3
+"""Share of the time from turn to turn that may be work; above, the rest becomes longer, since messages in larger bursts cost
+less each."""
+
 _STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 _LAST_TURN_S = 1.0
@@ -45,7 +52,7 @@ class Loop:
         self._supervised = supervised or Supervised(None, {})
         self._stop = ""
         self._failed = False
-        self._turned_at = 0.0
+        self._turned_at = self._between_s = 0.0
 
     def run(self) -> None:
         """Run to the end. An error is raised after waiting reports were delivered and a snapshot was saved, if possible."""
@@ -77,13 +84,15 @@ class Loop:
 
     def _once(self) -> None:
         ready = self._selector.select(self._patience_s())
-        if ready and (rest_s := self._turned_at + self._work.gather_s - time.monotonic()) > 0.0:
+        if ready and (rest_s := self._turned_at + self._between_s - time.monotonic()) > 0.0:
             time.sleep(rest_s)
             ready = self._selector.select(0.0)
         self._turned_at = time.monotonic()
         for key, mask in ready:
             self._work.take(key.data(mask))
         self._work.turn()
+        worked_s, gather_s = time.monotonic() - self._turned_at, self._work.gather_s
+        self._between_s = max(gather_s, min(worked_s / _BUSY_SHARE, _LONGER * gather_s))
         if self._metrics is not None and self._metrics.due():
             self._metrics.note({**self._work.sums(), **self._work.gauges()})
 
