@@ -37,7 +37,7 @@ SECONDS, VEHICLES, MACHINE, KILL_S = "130", "1000", "odometry", "60"
 TICKS = 100
 """Moments of a period at which vehicles send: each ms some of them, in one call of the system."""
 
-PERIOD_MS, PARTITIONS, WORKERS, PREFIX = 100, 16, 2, "fleet"
+PERIOD_MS, PARTITIONS, WORKERS, PREFIX = 100, 8, 2, "fleet"
 BROKER = """
 user root
 listener {port} 127.0.0.1
