@@ -115,11 +115,12 @@ class Report:
     @cached_property
     def outputs(self) -> Mapping[str, Value | str | None]:
         """Outputs by name, enumerations by their labels; None is an output that is absent."""
-        labels = self.labels
-        return {
-            name: labels[name][value] if name in labels and value is not None else value
-            for name, value in self.values.items()
-        }
+        outputs: dict[str, Value | str | None] = dict(self.values)
+        for name, members in self.labels.items():
+            number = outputs[name]
+            if number is not None:
+                outputs[name] = members[int(number)]
+        return outputs
 
     @property
     def mode(self) -> str:

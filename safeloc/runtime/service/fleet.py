@@ -115,11 +115,14 @@ class Fleet:
         """
         self.tally.lines += 1
         message = self._reader.read(line)
-        if only is not None:
-            message = _of_it(only, message)
+        name = _named(message)
+        if only is not None and name is not None and name != only:
+            name, message = (
+                None,
+                Refused(f"a line of vehicle {name}; the sender's certificate is for vehicle {only} only"),
+            )
         if isinstance(message, Header):
             return self._begun(message, from_start and origin not in self._flawed)
-        name = message.vehicle if isinstance(message, Refused) else message.envelope.vehicle
         if name is None:
             assert isinstance(message, Refused)
             if from_start:
@@ -139,7 +142,8 @@ class Fleet:
         if self.origins.setdefault(name, origin) != origin:
             self.origins[name] = origin
             vehicle.be_unsure("another peer sends for it")
-        return [*outputs, *self._of_one(vehicle, partial(vehicle.handle, line.number, message), line.number)]
+        found = self._of_one(vehicle, lambda: vehicle.handle(line.number, message), line.number)
+        return [*outputs, *found] if outputs else found
 
     def _begun(self, header: Header, from_start: bool) -> list[Output]:
         """Begin a step stream of the vehicle without a name."""
@@ -306,21 +310,17 @@ class Fleet:
         return outputs
 
 
-def _of_it(only: str, message: Message) -> Message:
-    """Return the message, refused if it names another vehicle than the one of the sender's certificate."""
-    name: str | None
+def _named(message: Message) -> str | None:
+    """Return the vehicle of a message; None if it cannot be read."""
     match message:
-        case Header():
-            name = ALONE
-        case Refused():
-            name = message.vehicle
         case RecordLine() | CycleEnd() | Step():
-            name = message.envelope.vehicle
+            return message.envelope.vehicle
+        case Refused():
+            return message.vehicle
+        case Header():
+            return ALONE
         case _:
             assert_never(message)
-    if name is None or name == only:
-        return message
-    return Refused(f"a line of vehicle {name}; the sender's certificate is for vehicle {only} only")
 
 
 def _controller(program: Program, settings: FleetSettings, start_ms: int) -> Controller:

@@ -20,11 +20,19 @@ from safeloc.errors import SafelocError
 from safeloc.runtime.service.feeds import Event
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.metrics import Metrics
+from safeloc.runtime.service.roomy_stack import in_roomy_stack
 from safeloc.runtime.service.station import Work, trace
 from safeloc.runtime.service.supervised import Supervised
 
 _TURN_S = 0.000_2
 """Seconds for which the thread that writes snapshots may occupy the interpreter before the loop continues."""
+
+_LONGER = 4
+"""How many times as long as `Work.gather_s` a process rests at most, when it has much to do."""
+
+_BUSY_SHARE = 1 / 3
+"""Share of the time from turn to turn that may be work; above, the rest becomes longer, since messages in larger bursts cost
+less each."""
 
 _STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
@@ -44,7 +52,7 @@ class Loop:
         self._supervised = supervised or Supervised(None, {})
         self._stop = ""
         self._failed = False
-        self._turned_at = 0.0
+        self._turned_at = self._between_s = 0.0
 
     def run(self) -> None:
         """Run to the end. An error is raised after waiting reports were delivered and a snapshot was saved, if possible."""
@@ -57,9 +65,7 @@ class Loop:
             with self._signals():
                 self._journal.info("started", pid=os.getpid(), machine=work.machine)
                 self._supervised.ready()
-                while not work.over and not self._stop:
-                    self._once()
-                    self._supervised.living()
+                in_roomy_stack(self._turns)
                 if work.over:
                     work.finish()
         except (SafelocError, BrokenPipeError):
@@ -71,15 +77,22 @@ class Loop:
         finally:
             self._end()
 
+    def _turns(self) -> None:
+        while not self._work.over and not self._stop:
+            self._once()
+            self._supervised.living()
+
     def _once(self) -> None:
         ready = self._selector.select(self._patience_s())
-        if ready and (rest_s := self._turned_at + self._work.gather_s - time.monotonic()) > 0.0:
+        if ready and (rest_s := self._turned_at + self._between_s - time.monotonic()) > 0.0:
             time.sleep(rest_s)
             ready = self._selector.select(0.0)
         self._turned_at = time.monotonic()
         for key, mask in ready:
             self._work.take(key.data(mask))
         self._work.turn()
+        worked_s, gather_s = time.monotonic() - self._turned_at, self._work.gather_s
+        self._between_s = max(gather_s, min(worked_s / _BUSY_SHARE, _LONGER * gather_s))
         if self._metrics is not None and self._metrics.due():
             self._metrics.note({**self._work.sums(), **self._work.gauges()})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import select
 import selectors
@@ -23,6 +24,10 @@ _LAST_LINE = 1_048_576
 
 class Outlet(ABC):
     """A destination of reports; they wait in it until `flush`."""
+
+    def text(self, one: Mapping[str, Any]) -> bytes:
+        """Return a report or an event as the line that `put` takes."""
+        return json.dumps(one).encode() + b"\n"
 
     @abstractmethod
     def put(self, origin: str, data: bytes, *, event: bool = False) -> None:

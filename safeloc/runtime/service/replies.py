@@ -35,6 +35,8 @@ class Allowance:
     def line_came(self, origin: str, size: int) -> None:
         """Count the bytes that a peer sent."""
         had = self._bytes.get(origin, FIRST_BYTES)
+        if had == _MOST_BYTES:
+            return
         self._bytes[origin] = min(_MOST_BYTES, had + FACTOR * (size or _LONG_LINE))
         if len(self._bytes) > _MOST_PEERS:
             self.left(next(iter(self._bytes)))

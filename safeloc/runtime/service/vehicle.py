@@ -209,7 +209,7 @@ class Vehicle(ABC):
         assert controller is not None
         ahead = time_ms - controller.next_end_ms
         if -pace.period_ms < ahead <= pace.at_once_ms(self._rhythm.stride_ms):
-            self._streak.end()
+            self._streak.first_ms = None
             self._rhythm.note(time_ms)
             return True
         within = 0 < ahead <= pace.longest_gap_ms

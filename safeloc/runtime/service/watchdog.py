@@ -19,11 +19,15 @@ class Watchdog:
     def __init__(self, limit_s: float, period_s: float) -> None:
         self._limit_s, self._period_s = limit_s, period_s
         self._due: dict[str, float] = {}
+        self._earliest = float("inf")
+        """No vehicle is due before; looked for only when it has passed, since vehicles end cycles all the time."""
         self._looked: float | None = None
 
     def ended(self, vehicle: str, now_s: float) -> None:
         """Record that a line of the vehicle ended its cycle."""
-        self._due[vehicle] = now_s + self._limit_s
+        self._due[vehicle] = due = now_s + self._limit_s
+        if due < self._earliest:
+            self._earliest = due
 
     def forget(self, vehicle: str) -> None:
         """Stop watching a vehicle."""
@@ -34,6 +38,7 @@ class Watchdog:
         elapsed_s = 0.0 if self._looked is None else now_s - self._looked
         self._looked = now_s
         self._due = {vehicle: due + elapsed_s for vehicle, due in self._due.items()}
+        self._earliest += elapsed_s
 
     def overdue(self, now_s: float) -> Iterable[str]:
         """Return the vehicles whose cycle is overdue; from then on, each of them once per period until a line ends a cycle."""
@@ -41,11 +46,14 @@ class Watchdog:
             self.pass_over(now_s)
             return []
         self._looked = now_s
+        if now_s < self._earliest:
+            return []
         found = [vehicle for vehicle, due in self._due.items() if due <= now_s]
         for vehicle in found:
             self._due[vehicle] += self._period_s
+        self._earliest = min(self._due.values(), default=float("inf"))
         return found
 
     def next_s(self, now_s: float) -> float | None:
         """Return the time until the next call, short enough to notice that this process was not running."""
-        return max(0.0, min(min(self._due.values()) - now_s, self._limit_s / 2)) if self._due else None
+        return max(0.0, min(self._earliest - now_s, self._limit_s / 2)) if self._due else None

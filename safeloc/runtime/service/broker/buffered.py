@@ -2,12 +2,17 @@
 
 paho-mqtt calls the system three times for each packet that it reads, and once for each that it sends. Each call lets
 another thread have the interpreter, and while a snapshot is written that thread keeps it for half a millisecond.
+
+Whole packets can be taken out of what came, so that paho never sees them (`sift`).
 """
 
 from __future__ import annotations
 
 import ssl
+from collections.abc import Callable
 from typing import Any
+
+from safeloc.runtime.service.broker.packets import LONGEST, extent
 
 _PIECE = 65_536
 """Most bytes that are read at once."""
@@ -19,35 +24,65 @@ _LAST_S = 1.0
 class BufferedSocket:
     """A non-blocking socket, or a TLS socket, with a buffer in each direction.
 
+    take     is given each complete packet of up to LONGEST bytes: its first byte, and where in the data its body begins and
+             ends; if it returns False, the packet is left for `recv`, as everything is without `take`
     unsent   bytes that `flush` has not handed to the system yet
     polite   `close` is a regular end
     """
 
-    def __init__(self, inner: Any) -> None:
-        self._inner = inner
+    def __init__(self, inner: Any, take: Callable[[int, bytes, int, int], bool] | None = None) -> None:
+        self._inner, self._take = inner, take
         self._came, self._at = b"", 0
+        self._free = 0  # up to this place `recv` may read
+        self._owed = 0  # bytes of a long packet that `recv` may read and that have not come yet
         self._ended: OSError | bool = False
         self.unsent = bytearray()
         self.polite = False
 
     def fill(self) -> bool:
-        """Read what is there, up to one piece; return whether there is anything for `recv` to tell, an end included."""
-        if self._at < len(self._came) or self._ended:
+        """Read what is there, up to one piece; return whether there is anything new to sift or to be told by `recv`, an end
+        included."""
+        if self.filled or self._ended:
             return True
         try:
-            self._came, self._at = self._inner.recv(_PIECE), 0
+            piece = self._inner.recv(_PIECE)
         except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
             return False
         except OSError as error:
             self._ended = error
-            return True
-        self._ended = not self._came
+            piece = b""
+        self._ended = self._ended or not piece
+        self._came, self._at = self._came[self._at :] + piece, 0
+        self._free = len(self._came) if self._take is None else min(self._owed, len(piece))
+        self._owed -= min(self._owed, len(piece))
         return True
+
+    def sift(self) -> bool:
+        """Let `take` have the packets in front, up to one that it does not want, or that is not complete. Return whether
+        there is anything for `recv` to tell."""
+        if self._take is not None and not self.filled:
+            self._sift(self._take)
+        return self.filled or bool(self._ended)
+
+    def _sift(self, take: Callable[[int, bytes, int, int], bool]) -> None:
+        data, at = self._came, self._at
+        while at < len(data):
+            body = extent(data, at)
+            if body is None or body[1] > len(data):
+                if self._ended or (body is not None and body[1] - at > LONGEST):
+                    self._owed = 0 if body is None else body[1] - len(data)
+                    self._free = len(data)
+                break
+            if not take(data[at], data, *body):
+                self._free = body[1]
+                break
+            at = body[1]
+        self._at = at
 
     @property
     def filled(self) -> bool:
-        """Return whether read bytes are left."""
-        return self._at < len(self._came)
+        """Return whether bytes are left for `recv`."""
+        return self._at < self._free
 
     @property
     def decrypted(self) -> bool:
@@ -65,14 +100,16 @@ class BufferedSocket:
     # ------------------------------------------------------------------ as paho-mqtt uses a socket
 
     def recv(self, size: int) -> bytes:
-        """Return up to so many bytes that `fill` has read; b"" at the end, BlockingIOError if none are left."""
-        if self._at >= len(self._came):
+        """Return up to so many bytes that were read and not taken; b"" at the end, BlockingIOError if none are left."""
+        if self._at >= self._free:
+            if self._free < len(self._came):
+                raise BlockingIOError  # `sift` has to look at the rest
             if isinstance(self._ended, OSError):
                 raise self._ended
             if self._ended:
                 return b""
             raise BlockingIOError
-        data = self._came[self._at : self._at + size]
+        data = self._came[self._at : min(self._at + size, self._free)]
         self._at += len(data)
         return data
 

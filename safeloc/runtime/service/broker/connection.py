@@ -2,6 +2,9 @@
 
 MQTT 3.1.1: reading a message of MQTT 5 takes paho four times as long, and nothing of version 5 is needed. Message expiry
 counts by the broker's clock, and the last word about who owns a partition is the session in both versions.
+
+Over a lasting connection records, reports and acknowledgements go past paho (`packets`); it has all other packets, in their
+order among these, and each second one record, so that it hears that the broker is there.
 """
 
 from __future__ import annotations
@@ -10,10 +13,11 @@ import selectors
 import time
 from collections import deque
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from safeloc.errors import InputError
 from safeloc.runtime.service.broker.buffered import BufferedSocket
+from safeloc.runtime.service.broker.packets import LONGEST, Came, acknowledgement, publish, read_publish
 from safeloc.runtime.service.broker.settings import Broker
 from safeloc.runtime.service.feeds import Event
 
@@ -30,20 +34,6 @@ _CONNECT_S = 2.0
 
 _MISC_S = 1.0
 """Seconds between two looks at what is due without data: a ping, or a broker that does not answer."""
-
-
-class Came(NamedTuple):
-    """A message from the broker.
-
-    mid     for its acknowledgement; 0 if it needs none
-    again   the broker says that it has sent it before
-    """
-
-    topic: str
-    payload: bytes
-    mid: int
-    retained: bool
-    again: bool
 
 
 class Connection:
@@ -67,6 +57,7 @@ class Connection:
         self._sock: BufferedSocket | None = None
         self._mask = 0
         self._looked = 0.0
+        self._paho_hears = True
 
     def open(self, selector: selectors.BaseSelector) -> None:
         """Connect; `lost` says why if that is impossible. It is usable when it is `ready`."""
@@ -88,11 +79,20 @@ class Connection:
 
     def publish(self, topic: str, payload: bytes, *, qos: int = 0, retained: bool = False) -> Any:
         """Publish a message; with QoS 1 ask `is_published` of what is returned. Nothing leaves before `flush`."""
-        return self._client.publish(topic, payload, qos, retained)
+        if qos or not self._lasting or len(payload) > LONGEST:
+            return self._client.publish(topic, payload, qos, retained)
+        return self._put(publish(topic, payload, retained=retained))
 
     def acknowledge(self, mid: int) -> None:
         """Tell the broker that it may forget a message."""
-        self._client.ack(mid, 1)
+        self._put(acknowledgement(mid))
+
+    def _put(self, packet: bytes) -> None:
+        """Add a packet, behind those that paho has made."""
+        if self._client.want_write():
+            self._client.loop_write()
+        if self._sock is not None:
+            self._sock.send(packet)
 
     @property
     def waiting(self) -> bool:
@@ -118,7 +118,7 @@ class Connection:
         """Do what is due without data from the broker."""
         now = time.monotonic()
         if not self.lost and self._sock is not None and now >= self._looked + _MISC_S:
-            self._looked = now
+            self._looked, self._paho_hears = now, False
             self._client.loop_misc()
             self.flush()
 
@@ -162,7 +162,8 @@ class Connection:
             """A client of paho-mqtt that reads and sends through buffers."""
 
             def _create_socket(self) -> BufferedSocket:
-                connection._sock = BufferedSocket(super()._create_socket())
+                take = connection._take if connection._lasting else None
+                connection._sock = BufferedSocket(super()._create_socket(), take)
                 return connection._sock
 
         return Buffered
@@ -188,6 +189,16 @@ class Connection:
             topic = ""  # no topic of ours
         self.came.append(Came(topic, bytes(message.payload), mid, message.retain, message.dup))
 
+    def _take(self, first: int, data: bytes, begin: int, end: int) -> bool:
+        """Take a message; return whether paho need not see this packet."""
+        if not self._paho_hears:
+            self._paho_hears = True
+            return False
+        came = read_publish(first, data, begin, end)
+        if came is not None:
+            self.came.append(came)
+        return came is not None
+
     # ------------------------------------------------------------------ the selector
 
     def _ready(self, mask: int) -> Iterator[Event]:
@@ -203,8 +214,7 @@ class Connection:
         """Read one piece, or what TLS has decrypted besides, and take all packets in it."""
         sock = self._sock
         while sock is not None and sock.fill():
-            self._client.loop_read()
-            while sock.filled and not self.lost:
+            while not self.lost and sock.sift():
                 self._client.loop_read()
             if self.lost or not sock.decrypted:
                 return

@@ -14,9 +14,10 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from safeloc.runtime.service.broker.connection import Came, Connection
+from safeloc.runtime.service.broker.connection import Connection
 from safeloc.runtime.service.broker.epochs import require_layout
 from safeloc.runtime.service.broker.leases import BACK_S, RENEW_SHARE, Lease, Leases, lease_text, read_lease
+from safeloc.runtime.service.broker.packets import Came
 from safeloc.runtime.service.broker.port import Beside
 from safeloc.runtime.service.broker.settings import Broker
 from safeloc.runtime.service.broker.tenure import Left, MakeStation, Tenure

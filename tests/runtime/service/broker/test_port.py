@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections import deque
 from collections.abc import Iterable
 from typing import Any
 
+from hypothesis import given
+from hypothesis import strategies as st
+
 from safeloc.runtime.service.broker.codes import Codes
-from safeloc.runtime.service.broker.connection import Came
+from safeloc.runtime.service.broker.packets import Came
 from safeloc.runtime.service.broker.port import Beside, PartitionPort
 from safeloc.runtime.service.broker.topics import Topics, partition_of
 from safeloc.runtime.service.feeds import Arrived, Told
@@ -78,3 +82,23 @@ def test_codes_of_reports() -> None:
         assert (topic, retained, event) == (f"areas/reports/{OWN}/west", True, b'{"event": "refused"}')
         assert (codes.opened(topic, report) is not None) is (made is codes)
         assert report.startswith(b'{"vehicle": "west"')
+
+
+PLAIN = st.none() | st.booleans() | st.integers() | st.text()
+
+
+@given(st.dictionaries(st.text(), st.recursive(PLAIN, lambda one: st.lists(one) | st.dictionaries(st.text(), one))))
+def test_the_text_of_a_report(report: dict[str, Any]) -> None:
+    """One line, without spaces outside of texts, and with the same content: whole numbers of any size, and any character."""
+    text = port(Connection()).text(report)
+    assert text.endswith(b"\n")
+    assert text.count(b"\n") == 1
+    assert json.loads(text) == report
+    assert repr(json.loads(text)) == repr(report)
+
+
+def test_a_report_with_half_a_character() -> None:
+    """It is told all the same: a line can quote one."""
+    report = {"event": "refused", "reason": "unit is '\ud800'"}
+    assert json.loads(port(Connection()).text(report)) == report
+    assert b" " not in port(Connection()).text({"vehicle": "west", "cycle": 7, "interval_mm": [1, 2]})
