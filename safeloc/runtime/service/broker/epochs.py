@@ -16,8 +16,11 @@ processes of one computer.
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,15 +35,17 @@ _LAYOUT = "partitions"
 def require_layout(folder: Path, partitions: int) -> None:
     """Make the folder, or check that its snapshots are of so many partitions; InputError if they are not.
 
-    With another number, vehicles would be in other partitions, without their snapshots.
+    With another number, vehicles would be in other partitions, without their snapshots. Of processes that begin at the same
+    moment one makes it, and the others check it.
     """
     path = folder / _LAYOUT
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        found = path.read_bytes() if path.exists() else b""
-        if not found:
-            write_atomically(path, b"%d\n" % partitions)
-            return
+        with _one_at_a_time(folder):
+            found = path.read_bytes() if path.exists() else b""
+            if not found:
+                write_atomically(path, b"%d\n" % partitions)
+                return
     except OSError as error:
         raise InputError(f"{folder}: no folder for snapshots: {error.strerror}.") from error
     if found.strip() != b"%d" % partitions:
@@ -48,6 +53,17 @@ def require_layout(folder: Path, partitions: int) -> None:
             f"{folder}: snapshots of {found[:20].decode(errors='replace').strip()} partitions, not {partitions}; name "
             "another folder, and let the vehicles send to the partitions that they are in now."
         )
+
+
+@contextmanager
+def _one_at_a_time(folder: Path) -> Iterator[None]:
+    """Wait until no other process is in here for this folder."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 class Epochs:
