@@ -350,18 +350,26 @@ WRONG_LINKS = {
 }
 
 
-@pytest.mark.parametrize("wrong", WRONG_LINKS)
-def test_a_link_that_cannot_be_followed_is_refused(page: Page, pages: Path, wrong: str) -> None:
-    """The reason stands above the stored run, and no step of the branch is shown."""
-    at(page, pages, "quiet", 3)
-    declared = page.js("JSON.parse(document.getElementById('run-known').textContent)")
+@pytest.fixture(scope="module")
+def right_link(browser: Page, pages: Path) -> dict[str, str]:
+    """The link of a branch of one step."""
+    browser.size(*DESK)
+    at(browser, pages, "quiet", 3)
+    declared = browser.js("JSON.parse(document.getElementById('run-known').textContent)")
     assert declared["alone"]
-    branched(page)
-    page.click("#run-if-take")
-    page.until("location.hash.includes('take=')")
+    branched(browser)
+    browser.click("#run-if-take")
+    browser.until("location.hash.includes('take=')")
+    return {name: one[0] for name, one in place(browser).items()}
+
+
+@pytest.mark.parametrize("wrong", WRONG_LINKS)
+def test_a_link_that_cannot_be_followed_is_refused(
+    page: Page, pages: Path, right_link: dict[str, str], wrong: str
+) -> None:
+    """The reason stands above the stored run, and no step of the branch is shown."""
     changed, message = WRONG_LINKS[wrong]
-    link = {**{name: one[0] for name, one in place(page).items()}, **changed}
-    opened(page, pages, f"#{urlencode(link)}")
+    opened(page, pages, f"#{urlencode({**right_link, **changed})}")
     page.until("!document.getElementById('run-flaw').hidden")
     assert message in page.text("#run-flaw")
     assert "The stored run stands below." in page.text("#run-flaw")
