@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +28,7 @@ from safeloc.runtime.streams.steps import read_steps, write_steps
 from safeloc.target import Target
 from tests.report import keeper, tandem
 from tests.report.browser import DESK, ENTER, PHONE, RIGHT, Page, opened
+from tests.started_pytest import run_pytest
 
 NARROW_SPACE, FIXED_SPACE = "\u202f", "\xa0"
 
@@ -554,7 +553,7 @@ def test_a_named_configuration_can_be_saved_as_a_test(tmp_path: Path) -> None:
         saved = tmp_path / "test_saved.py"
         for content in (made, made.replace(f'["{fired}"]', '["another"]')):
             saved.write_text(content, encoding="utf-8")
-            done = subprocess.run([sys.executable, "-m", "pytest", "-q", "--disable-plugin-autoload", "--rootdir", str(tmp_path), "test_saved.py"], cwd=tmp_path, capture_output=True, text=True, check=False)  # fmt: skip
+            done = run_pytest("-q", "--rootdir", str(tmp_path), "test_saved.py", folder=tmp_path)
             assert ("2 passed" in done.stdout) == (content == made), done.stdout
 
 

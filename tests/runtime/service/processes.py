@@ -13,9 +13,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from safeloc.cli import main
 from safeloc.runtime.streams.records import Record
+from tests.forked import instead_of_exec
 from tests.runtime.embedding.driving import drive, trusting
-from tests.runtime.service.forked import instead_of_exec
 
 ROOT = Path(__file__).parents[3]
 TRUSTING = "trust_first_marker = true\n"
@@ -85,7 +86,8 @@ def _forked_if_safeloc(words: Sequence[str], options: dict[str, Any]) -> dict[st
     if tuple(words[: len(SAFELOC)]) != SAFELOC:
         return options
     trusting()  # what nearly all of them run is made before, once
-    begin = instead_of_exec(words[len(SAFELOC) :], options.get("env"), options.get("preexec_fn"))
+    told = ["safeloc", *words[len(SAFELOC) :]]
+    begin = instead_of_exec(main, told, options.get("env"), options.get("preexec_fn"))
     return {**options, "preexec_fn": begin, "restore_signals": False}
 
 

@@ -1,4 +1,4 @@
-"""The command `safeloc` in a process that is forked from that of the tests: it need not load anew what they have loaded."""
+"""Programs in a process that is forked from that of the tests: they need not load anew what it has loaded."""
 
 from __future__ import annotations
 
@@ -12,15 +12,14 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from typing import NoReturn
 
-from safeloc.cli import main
-
 _FIRST_OTHER_FD = 3
 
 
 def instead_of_exec(
-    arguments: Sequence[str], environment: Mapping[str, str] | None, before: Callable[[], None] | None = None
-) -> Callable[[], NoReturn]:
-    """Return what a child of `subprocess` calls last: there it is `safeloc ARGUMENTS`, and no other program is loaded.
+    program: Callable[[], object], words: Sequence[str], environment: Mapping[str, str] | None = None,
+    before: Callable[[], None] | None = None,
+) -> Callable[[], NoReturn]:  # fmt: skip
+    """Return what a child of `subprocess` calls last: there the program runs with these words, and no other one is loaded.
 
     Streams, folder and process group are those that `subprocess` gave it. It has nothing open that another program would
     not have, and handles signals as that would. Give `restore_signals=False`: what Python ignores is ignored.
@@ -31,8 +30,8 @@ def instead_of_exec(
         try:
             if before is not None:
                 before()
-            _become(arguments, environment)
-            code = _run_to_its_end()
+            _become(words, environment)
+            code = _run_to_its_end(program)
         except BaseException:
             traceback.print_exc()
         finally:
@@ -41,7 +40,7 @@ def instead_of_exec(
     return begin
 
 
-def _become(arguments: Sequence[str], environment: Mapping[str, str] | None) -> None:
+def _become(words: Sequence[str], environment: Mapping[str, str] | None) -> None:
     """Leave what belongs to the tests: open files, garbage that would close them once more, handlers, streams, environment."""
     gc.freeze()
     gc.enable()
@@ -53,17 +52,16 @@ def _become(arguments: Sequence[str], environment: Mapping[str, str] | None) -> 
     sys.stdin = os.fdopen(0, closefd=False)
     sys.stdout = os.fdopen(1, "w", closefd=False)
     sys.stderr = os.fdopen(2, "w", buffering=1, errors="backslashreplace", closefd=False)
-    sys.argv = ["safeloc", *arguments]
+    sys.argv = [*words]
     if environment is not None:
         os.environ.clear()
         os.environ.update(environment)
 
 
-def _run_to_its_end() -> int:
+def _run_to_its_end(program: Callable[[], object]) -> int:
     """Return the exit code that an interpreter would have ended with."""
     try:
-        main()
-        code: object = None
+        code = program()
     except SystemExit as end:
         code = end.code
     for thread in threading.enumerate():
