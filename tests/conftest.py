@@ -13,7 +13,8 @@ from itertools import count
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from safeloc.codegen import compiled
 from tests.generated_once import GeneratedOnce, compiled_once
@@ -60,6 +61,13 @@ def pytest_collection_finish() -> None:
     """
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
+    _first_example()
+
+
+@settings(max_examples=1)
+@given(st.none())
+def _first_example(_: None) -> None:
+    """Let Hypothesis begin here: with its first example it looks through all objects, of which there are few beside those that stay."""
 
 
 def pytest_sessionfinish() -> None:
