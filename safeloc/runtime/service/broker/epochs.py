@@ -16,15 +16,13 @@ processes of one computer.
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from safeloc.errors import InputError
+from safeloc.runtime.locked_folder import locked
 from safeloc.runtime.service.saving import read_saved, write_atomically
 
 _CLAIM = re.compile(r"([0-9]{1,18})\.claim")
@@ -41,7 +39,7 @@ def require_layout(folder: Path, partitions: int) -> None:
     path = folder / _LAYOUT
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with _one_at_a_time(folder):
+        with locked(folder):
             found = path.read_bytes() if path.exists() else b""
             if not found:
                 write_atomically(path, b"%d\n" % partitions)
@@ -53,17 +51,6 @@ def require_layout(folder: Path, partitions: int) -> None:
             f"{folder}: snapshots of {found[:20].decode(errors='replace').strip()} partitions, not {partitions}; name "
             "another folder, and let the vehicles send to the partitions that they are in now."
         )
-
-
-@contextmanager
-def _one_at_a_time(folder: Path) -> Iterator[None]:
-    """Wait until no other process is in here for this folder."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
 
 
 class Epochs:
