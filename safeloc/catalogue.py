@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from weakref import WeakValueDictionary
 
 from pydantic import BaseModel, ValidationError
 
@@ -28,7 +29,7 @@ NAMED = re.compile(r"(.+?:[A-Za-z_]\w*)(?:\+|$)")
 LARGEST_CONFIG = 1_000_000
 """Maximum size of a configuration file, in bytes."""
 
-__all__ = ["DEFAULTS", "ENTRIES", "Entry", "Target", "configured", "load_target", "read_config"]
+__all__ = ["DEFAULTS", "ENTRIES", "Entry", "Target", "configured", "load_target", "read_config", "with_defaults"]
 
 
 def load_target(spec: str, config: Path | None = None, *, with_recordings: bool = True) -> Target:
@@ -42,7 +43,19 @@ def load_target(spec: str, config: Path | None = None, *, with_recordings: bool 
     The target records the requested name (`spec`) and, if its module declares no property, the reason (`unasked`).
     InputError names the requested machine and the existing ones.
     """
-    return replace(_found(spec, config, with_recordings), spec=spec, config_file=config)
+    found = replace(_found(spec, config, with_recordings), spec=spec, config_file=config)
+    if spec in ENTRIES and config is None:
+        _WITH_DEFAULTS[spec] = found
+    return found
+
+
+_WITH_DEFAULTS: WeakValueDictionary[str, Target] = WeakValueDictionary()
+
+
+def with_defaults(name: str) -> Target:
+    """Return a machine that ships, with its defaults: the one that was loaded last, if somebody still has it, else a new one."""
+    found = _WITH_DEFAULTS.get(name)
+    return load_target(name) if found is None else found
 
 
 DEFAULTS = "the defaults"

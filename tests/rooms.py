@@ -53,10 +53,16 @@ class Read:
 
 
 @cache
+def parsed(code: str) -> ast.Module:
+    """The tree of a file's text, made once in a process for all tests that look at code; nobody changes it."""
+    return ast.parse(code)
+
+
+@cache
 def read(code: str) -> Read:
     """Read a file's text, once in a process; ValueError for a relative import."""
     imports, functions = list[str](), list[tuple[str, int, int]]()
-    for node in ast.walk(ast.parse(code)):
+    for node in ast.walk(parsed(code)):
         if isinstance(node, ast.Import):
             imports += (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

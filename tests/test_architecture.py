@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 import safeloc
-from tests.rooms import imported, read
+from tests.rooms import imported, parsed, read
 
 ROOT = Path(safeloc.__file__).resolve().parent
 MODULES = sorted(
@@ -288,9 +288,7 @@ OF_VARIABLES = re.compile(r"^(Updates\b|(dict|Mapping)\[(Var|NumVar|BoolVar)\b)"
 
 def mappings(path: Path) -> list[str]:
     """Functions of a file that return terms by variable."""
-    functions = [
-        one for one in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(one, ast.FunctionDef)
-    ]
+    functions = [one for one in ast.walk(parsed(path.read_text(encoding="utf-8"))) if isinstance(one, ast.FunctionDef)]
     return [one.name for one in functions if one.returns is not None and OF_VARIABLES.match(ast.unparse(one.returns))]
 
 
@@ -335,7 +333,7 @@ def test_claims_stay_short() -> None:
         (node.end_lineno or 0) - node.body[min(len(node.body) - 1, ast.get_docstring(node) is not None)].lineno + 1
         for path in MODULES
         if name_of(path).startswith("properties/")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(parsed(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.FunctionDef)
     )
     assert lines[len(lines) * 9 // 10] <= 20

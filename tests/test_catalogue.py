@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.catalogue import ENTRIES, Target, load_target, read_config
+from safeloc.catalogue import ENTRIES, Target, load_target, read_config, with_defaults
 from safeloc.errors import InputError, ModelError
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.odometry.variables import OdometryConfig
@@ -406,3 +406,18 @@ def test_making_a_machine_leaves_the_garbage_collector_as_it_was(
         assert ([False], looking) == (asked, gc.isenabled())
     finally:
         gc.enable()
+
+
+def test_a_machine_with_its_defaults_is_not_loaded_again_while_somebody_has_it(tmp_path: Path) -> None:
+    """Neither one with other figures nor one that nobody has any more stands for it."""
+    first = load_target("delocalized")
+    path = tmp_path / "config.toml"
+    path.write_text("", encoding="utf-8")
+    assert load_target("delocalized", path) is not first
+    assert with_defaults("delocalized") is first
+    name = first.name
+    del first
+    gc.collect()
+    again = with_defaults("delocalized")
+    assert (name, None) == (again.name, again.config_file)
+    assert with_defaults("delocalized") is again

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.rooms import ROOT
+from tests.rooms import ROOT, parsed
 
 QUESTIONS = frozenset(("What", "Which", "Whether", "Where", "When", "Who", "Whose", "How", "Why"))
 """With these a noun phrase begins that names nothing: `What is asked around a stream` is a question about it."""
@@ -52,7 +52,7 @@ def misleading(text: str) -> Iterator[str]:
     """The first lines of docstrings of a module that begin with a wrong word."""
     if SUSPECT.search(text) is None:  # spares the reading of most modules
         return
-    for node in documented(ast.parse(text)):
+    for node in documented(parsed(text)):
         if said := ast.get_docstring(node):
             first = said.split(maxsplit=1)[0].rstrip(".,:;")
             if first in (NO_VERBS if is_called(node) else QUESTIONS):

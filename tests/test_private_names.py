@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
-from tests.rooms import ROOT
+from tests.rooms import ROOT, parsed
 
 OWN = ("safeloc", "models", "properties")
 USERS = (*OWN, "tests", "benchmarks", "packaging")
@@ -31,10 +31,9 @@ def written(folders: tuple[str, ...]) -> dict[Path, str]:
     }
 
 
-@cache
 def top(text: str) -> list[ast.stmt]:
     """The statements of a module."""
-    return ast.parse(text).body
+    return parsed(text).body
 
 
 def public(text: str) -> Iterator[str]:

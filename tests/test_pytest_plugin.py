@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.started_pytest import run_pytest
 
 LAMP = """
 from pathlib import Path
@@ -50,20 +50,19 @@ def listed(project: Path, machines: str, more: str = "") -> None:
     (project / "pyproject.toml").write_text(text, encoding="utf-8")
 
 
-def ran(project: Path, *arguments: str) -> tuple[int, str]:
+def ran(project: Path, *arguments: str, anew: bool = False) -> tuple[int, str]:
     """Exit code and output of pytest in the project."""
-    loaded = ("--disable-plugin-autoload", "-p", "safeloc.pytest_plugin")  # whether or not it is installed
+    loaded = ("-p", "safeloc.pytest_plugin")  # whether or not it is installed
     plain = "--assert=plain"  # else every module of safeloc is compiled anew, with its assertions rewritten
-    command = [sys.executable, "-m", "pytest", *loaded, plain, "-p", "no:cacheprovider", *arguments]
     environment = {**os.environ, "SAFELOC_CACHE": str(project / "kept"), "PYTHONDONTWRITEBYTECODE": "1"}
     environment["PYTHONPATH"] = str(Path(__file__).parents[1])
-    run = subprocess.run(command, cwd=project, env=environment, capture_output=True, text=True, check=False)
+    run = run_pytest(*loaded, plain, *arguments, folder=project, environment=environment, anew=anew)
     return run.returncode, run.stdout + run.stderr
 
 
 def test_each_claim_is_an_item(project: Path) -> None:
     """What does not hold fails with its run; all else passes."""
-    code, text = ran(project, "-v")
+    code, text = ran(project, "-v", anew=True)
     assert code == 1
     name = "src/lamp.py::machine::"
     for item, outcome in (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
+from tests.rooms import parsed
 from tests.test_architecture import MODULES, name_of
 
 SHORTEST = 70
@@ -40,7 +41,7 @@ def functions() -> Iterator[tuple[str, str]]:
     """Yield every function of safeloc, models and properties with its body, spaces and docstring apart."""
     for path in MODULES:
         text = path.read_text(encoding="utf-8")
-        for node in _inside(ast.parse(text).body):
+        for node in _inside(parsed(text).body):
             begins = node.body[0 if ast.get_docstring(node) is None else 1 :]
             if begins:
                 lines = text.splitlines()[begins[0].lineno - 1 : node.end_lineno]

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 
 from safeloc.assurance.law_figures import Figure, configured_figures, figures_of
-from safeloc.catalogue import ENTRIES, load_target, sources_of
+from safeloc.catalogue import ENTRIES, sources_of, with_defaults
 from safeloc.language.digest import term_digest
 from safeloc.language.machine import Machine
 from safeloc.language.world import Law
@@ -65,7 +65,7 @@ def _others_with(member: str, target: Target) -> Iterator[str]:
 @cache
 def _known(name: str) -> dict[_Said, str]:
     """Return the ids of all laws of a machine that ships, with its defaults, by what they say."""
-    target = load_target(name)
+    target = with_defaults(name)
     every = configured_figures(target.config)
     known: dict[_Said, str] = {}
     for machine in target.machines:

@@ -13,8 +13,6 @@ SHA256SUMS     the digests of all these files (safeloc.report.digests)
 
 from __future__ import annotations
 
-import fcntl
-import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -36,6 +34,7 @@ from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
 from safeloc.report.run_page import RUN_PAGE, machine_script
 from safeloc.report.sarif import to_sarif
+from safeloc.runtime.locked_folder import locked
 from safeloc.runtime.streams.columns import Shown, runs_file
 
 PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
@@ -100,7 +99,7 @@ def write_folder(
     scripts = {one.name: text for one in targets if one.name in runs and (text := machine_script(files[one.name], one))}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with _alone(folder):
+        with locked(folder):
             _clear(folder)
             for name in (certificates.FOLDER, stored.TRACES, stored.MACHINES):
                 (folder / name).mkdir(exist_ok=True)
@@ -124,17 +123,6 @@ def write_folder(
         raise InputError(f"{folder}: the report cannot be written here: {error}") from error
 
 
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Lock the folder against other runs. The folder itself is locked, so that even a crash leaves no lock behind."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
-
-
 def files_of(folder: Path) -> list[str]:
     """Return the names of a report's files within its folder, report.json last: without it there is no report."""
     return [SUMS, *_present(folder)]
@@ -156,7 +144,7 @@ def unfit(folder: Path) -> list[str]:
 def cleared(folder: Path) -> Iterator[None]:
     """Lock the folder against other runs, and remove the report in it."""
     folder.mkdir(parents=True, exist_ok=True)
-    with _alone(folder):
+    with locked(folder):
         _clear(folder)
         yield
 
@@ -173,7 +161,7 @@ def render_folder(folder: Path, *, single: bool = False, since: Path | None = No
         everything = stored.read_for_page(folder)
         if since is not None:
             everything["changed"] = _changed(stored.read_for_page(since), everything, folder)
-        with _alone(folder):
+        with locked(folder):
             page_path = _write_page(folder, everything, single=single)
             renew_digests(folder, _present(folder))
             return page_path

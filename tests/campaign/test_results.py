@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import subprocess
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -31,7 +29,7 @@ from tests.campaign.declared import SKIDDING, SMALL
 from tests.campaign.test_shards import rows
 from tests.cli.calling import Call
 from tests.codegen.c_folder import needs_compiler
-from tests.started_pytest import pytest_command
+from tests.started_pytest import run_pytest
 
 ROOT = Path(safeloc.__file__).parents[1]
 
@@ -125,10 +123,7 @@ def test_a_kept_stream_is_shortened_to_what_matters(finished: Path) -> None:
 
 def test_the_regression_test_passes_and_fails_as_it_says(finished: Path) -> None:
     """Near misses stay contained, a wrong interval after a broken law is expected; a stream of another kind is noticed."""
-    command = pytest_command(str(finished / "streams" / NAME))
-    told = subprocess.run(
-        command, capture_output=True, text=True, check=False, cwd=finished, env={**os.environ, "PYTHONPATH": str(ROOT)}
-    )
+    told = run_pytest("-q", str(finished / "streams" / NAME), folder=finished)
     assert (0, True) == (told.returncode, "3 passed, 3 xfailed" in told.stdout), told.stdout
     target = load_target(SKIDDING)
     data = json.loads((finished / "results.json").read_text(encoding="utf-8"))

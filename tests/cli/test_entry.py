@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -24,11 +25,12 @@ main()
 """
 
 
-def modules(*arguments: str) -> set[str]:
+@cache
+def modules(*arguments: str) -> frozenset[str]:
     """What `safeloc ARGUMENTS` has loaded at its end."""
     command = [sys.executable, "-c", LOADED, *arguments]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    return set(json.loads(done.stderr.splitlines()[-1]))
+    return frozenset(json.loads(done.stderr.splitlines()[-1]))
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["prvoe"], []])

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.cli.calling import Call
-from tests.started_pytest import pytest_command
+from tests.started_pytest import run_pytest
 
 LIFT = """
 from safeloc.language.expr import boolean, number
@@ -58,8 +57,7 @@ def test_a_violation_is_told_with_inputs_term_and_test(call: Call, lift: str) ->
 
 
 def _pytest() -> int:
-    command = pytest_command("test_lift.py")
-    return subprocess.run(command, capture_output=True, check=False).returncode
+    return run_pytest("-q", "test_lift.py").returncode
 
 
 def test_an_existing_file_is_not_written_over(call: Call, lift: str) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.cli.calling import Call
-from tests.started_pytest import pytest_command
+from tests.started_pytest import run_pytest
 
 PUMP = Path(__file__).parents[1] / "explain" / "pump.py"
 HEAD = '{"schema": "safeloc-stream/1", "first": {"label": 3}}\n'
@@ -54,8 +53,7 @@ def test_a_violation_is_told_with_what_matters(call: Call, pump: str) -> None:
     assert "     1  begin  [go=true]" in told
     assert "extra" not in called.out
     assert "    true  3 count < strokes    strokes = 4" in told
-    command = pytest_command("test_pump.py")
-    assert 1 == subprocess.run(command, capture_output=True, check=False).returncode
+    assert 1 == run_pytest("-q", "test_pump.py").returncode
 
 
 def test_without_a_violation_the_least_margin_is_told(call: Call, pump: str) -> None:
@@ -97,8 +95,7 @@ def test_a_recording_without_the_truth(call: Call, tmp_path: Path, monkeypatch: 
     Path("run.jsonl").write_text('{"wheel": 3}\n{"wheel": 70}\n', encoding="utf-8")
     called = call("explain", "cart.py:machine", "near", "run.jsonl", "--pytest", "test_cart.py")
     assert (called.code, "far = 70" in called.out) == (1, True)
-    command = pytest_command("test_cart.py")
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = run_pytest("-q", "test_cart.py")
     assert (done.returncode, "1 failed" in done.stdout) == (1, True)
     called = call("explain", "cart.py:machine", "true", "run.jsonl")
     assert (called.code, "not asked: the property reads the truth" in called.out) == (3, True)

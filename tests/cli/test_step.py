@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import io
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.cli.calling import Call, Called
+from tests.started_pytest import run_pytest
 
 LAMP = """
 from safeloc.language.expr import boolean, number
@@ -83,19 +82,7 @@ def test_a_run_is_saved_as_a_test(call: Call, lamp: str, monkeypatch: pytest.Mon
     called = typed(call, monkeypatch, lamp, lines=lines)
     assert (called.code, "test_run.py exists; give another file" in called.out) == (2, True)
     for passed in (True, False):
-        command = [
-            sys.executable,
-            "-B",
-            "-m",
-            "pytest",
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            "--rootdir",
-            ".",
-            "test_run.py",
-        ]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = run_pytest("-q", "--rootdir", ".", "test_run.py")
         assert ("2 passed" if passed else "1 failed, 1 passed") in done.stdout, done.stdout
         weak = LAMP.replace("uses < 9", "uses < 1")
         assert weak != LAMP

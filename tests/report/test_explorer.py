@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -35,6 +33,7 @@ from tests.report.browser import (
     runs_of,
 )
 from tests.report.test_page import door, findings
+from tests.started_pytest import run_pytest
 
 WRONG = "#result=door%2Fproperty%2Fbad+%3Cb%3E"
 
@@ -311,17 +310,7 @@ def test_branch_off_with_other_inputs(page: Page, report: Path, tmp_path: Path) 
     page.click("#run-if-test")
     page.until("window.saved.length === 2")
     (tmp_path / "test_mine.py").write_text(page.js("window.saved[1]"), encoding="utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "--disable-plugin-autoload",
-        "--rootdir",
-        str(tmp_path),
-        "test_mine.py",
-    ]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = run_pytest("-q", "--rootdir", str(tmp_path), "test_mine.py", folder=tmp_path)
     assert "2 passed" in done.stdout, done.stdout + done.stderr
     page.click("#run-if-close")
     page.until("document.getElementById('run-said').textContent === 'step 1 of 3: open'")

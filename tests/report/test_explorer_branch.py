@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +28,7 @@ from safeloc.runtime.streams.steps import read_steps, write_steps
 from safeloc.target import Target
 from tests.report import keeper, tandem
 from tests.report.browser import DESK, ENTER, PHONE, RIGHT, Page, opened
+from tests.started_pytest import run_pytest
 
 NARROW_SPACE, FIXED_SPACE = "\u202f", "\xa0"
 
@@ -350,18 +349,26 @@ WRONG_LINKS = {
 }
 
 
-@pytest.mark.parametrize("wrong", WRONG_LINKS)
-def test_a_link_that_cannot_be_followed_is_refused(page: Page, pages: Path, wrong: str) -> None:
-    """The reason stands above the stored run, and no step of the branch is shown."""
-    at(page, pages, "quiet", 3)
-    declared = page.js("JSON.parse(document.getElementById('run-known').textContent)")
+@pytest.fixture(scope="module")
+def right_link(browser: Page, pages: Path) -> dict[str, str]:
+    """The link of a branch of one step."""
+    browser.size(*DESK)
+    at(browser, pages, "quiet", 3)
+    declared = browser.js("JSON.parse(document.getElementById('run-known').textContent)")
     assert declared["alone"]
-    branched(page)
-    page.click("#run-if-take")
-    page.until("location.hash.includes('take=')")
+    branched(browser)
+    browser.click("#run-if-take")
+    browser.until("location.hash.includes('take=')")
+    return {name: one[0] for name, one in place(browser).items()}
+
+
+@pytest.mark.parametrize("wrong", WRONG_LINKS)
+def test_a_link_that_cannot_be_followed_is_refused(
+    page: Page, pages: Path, right_link: dict[str, str], wrong: str
+) -> None:
+    """The reason stands above the stored run, and no step of the branch is shown."""
     changed, message = WRONG_LINKS[wrong]
-    link = {**{name: one[0] for name, one in place(page).items()}, **changed}
-    opened(page, pages, f"#{urlencode(link)}")
+    opened(page, pages, f"#{urlencode({**right_link, **changed})}")
     page.until("!document.getElementById('run-flaw').hidden")
     assert message in page.text("#run-flaw")
     assert "The stored run stands below." in page.text("#run-flaw")
@@ -546,7 +553,7 @@ def test_a_named_configuration_can_be_saved_as_a_test(tmp_path: Path) -> None:
         saved = tmp_path / "test_saved.py"
         for content in (made, made.replace(f'["{fired}"]', '["another"]')):
             saved.write_text(content, encoding="utf-8")
-            done = subprocess.run([sys.executable, "-m", "pytest", "-q", "--disable-plugin-autoload", "--rootdir", str(tmp_path), "test_saved.py"], cwd=tmp_path, capture_output=True, text=True, check=False)  # fmt: skip
+            done = run_pytest("-q", "--rootdir", str(tmp_path), "test_saved.py", folder=tmp_path)
             assert ("2 passed" in done.stdout) == (content == made), done.stdout
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,7 @@ from safeloc.language.verdict import word
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.verification.calls import prove_target
 from safeloc.templates.project import TEMPLATES
-from tests.started_pytest import pytest_command
+from tests.started_pytest import run_pytest
 
 ROOT = Path(__file__).parents[2] / "safeloc" / "templates"
 
@@ -43,8 +42,7 @@ def test_the_recording_is_what_the_simulation_makes(template: str) -> None:
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_its_own_tests_hold(template: str) -> None:
     """Those that a new project gets, run where they stand: at least three wrong edits are refused by the proof."""
-    command = pytest_command(str(ROOT / template / "tests"))
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT.parents[1])
+    done = run_pytest("-q", str(ROOT / template / "tests"), folder=ROOT.parents[1])
     assert done.returncode == 0, done.stdout
     assert " passed" in done.stdout
     (file,) = (ROOT / template / "tests").glob("test_*.py")

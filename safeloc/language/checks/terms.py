@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TypeGuard, assert_never, get_args
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeGuard, assert_never, get_args
 
 from safeloc.language.nodes import (
     INT64_MAX,
@@ -39,20 +39,56 @@ _KINDS = frozenset(get_args(Node))
 def malformed(roots: Iterable[object]) -> Iterator[str]:
     """Yield the errors of all nodes below `roots`, one sentence each; none if the language's functions built them."""
     seen: set[int] = set()
-    stack: list[object] = list(roots)
+    stack: list[Any] = list(roots)
     while stack:
         node = stack.pop()
         if id(node) in seen:
             continue
         seen.add(id(node))
-        if not _is_node(node):
+        plainly_right = _PLAINLY_RIGHT.get(type(node))
+        if plainly_right is not None and plainly_right(node):
+            stack += children(node)
+        elif not _is_node(node):
             yield f"{node!r} of type {type(node).__name__} is no term; build terms with the functions of safeloc.language.expr."
-            continue
-        wrong = _wrong(node)
-        if wrong:
+        elif wrong := _wrong(node):
             yield f"{type(node).__name__}: {wrong}; build terms with the functions of safeloc.language.expr."
         else:
-            stack.extend(children(node))
+            stack += children(node)
+
+
+def _plain_arithmetic(node: Add | Sub | Min | Max) -> bool:
+    a, b = node.left, node.right
+    return isinstance(a, Num) and isinstance(b, Num) and a.unit is b.unit and isinstance(a.unit, Unit)
+
+
+def _plain_comparison(node: Compare) -> bool:
+    a, b = node.left, node.right
+    alike = isinstance(a, Num) and isinstance(b, Num) and a.unit is b.unit
+    return alike and (node.op == "==" or (node.op in ("<", "<=") and isinstance(a.unit, Unit)))
+
+
+def _plain_choice(node: Choose) -> bool:
+    a, b = node.then, node.other
+    return isinstance(node.condition, Bool) and isinstance(a, Num) and isinstance(b, Num) and a.unit is b.unit
+
+
+def _plain_choice_of_truth(node: ChooseBool) -> bool:
+    return isinstance(node.condition, Bool) and isinstance(node.then, Bool) and isinstance(node.other, Bool)
+
+
+def _plain_connective(node: And | Or) -> bool:
+    return not [part for part in node.parts if not isinstance(part, Bool)]  # no generator: there are very many parts
+
+
+_PLAINLY_RIGHT: dict[type, Callable[[Any], bool]] = {
+    **dict.fromkeys((Add, Sub, Min, Max), _plain_arithmetic),
+    **dict.fromkeys((And, Or), _plain_connective),
+    Compare: _plain_comparison,
+    Choose: _plain_choice,
+    ChooseBool: _plain_choice_of_truth,
+    Not: lambda node: isinstance(node.inner, Bool),
+}
+"""Of the most frequent kinds: whether a node is right at a glance. One that is not may still be; `_wrong` decides."""
 
 
 def _is_node(found: object) -> TypeGuard[Node]:

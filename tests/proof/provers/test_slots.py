@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import time
 from functools import partial
+from multiprocessing.synchronize import Barrier
 
 from safeloc.proof.provers.slots import Slots, shared, sharing
 from safeloc.proof.provers.workers import Task, in_processes
+
+PATIENCE_S = 90.0
 
 
 def test_places_are_taken_and_given_back() -> None:
@@ -18,9 +22,10 @@ def test_places_are_taken_and_given_back() -> None:
     places.close()
 
 
-def timed(seconds: float) -> tuple[float, float]:
-    """The times at which a task began and ended."""
+def timed(seconds: float, met: Barrier) -> tuple[float, float]:
+    """The times at which a task began and ended; it ends only after another one was there at the same time."""
     began = time.monotonic()
+    met.wait(PATIENCE_S)
     time.sleep(seconds)
     return began, time.monotonic()
 
@@ -29,7 +34,8 @@ def test_tasks_wait_for_a_place() -> None:
     """Four tasks may run four at a time, but two slots, one of them this process's own, allow two at a time."""
     places = Slots(2)
     places.take()
-    tasks = [Task(f"task {number}", partial(timed, 0.2), 30.0) for number in range(4)]
+    met = multiprocessing.get_context("fork").Barrier(2)
+    tasks = [Task(f"task {number}", partial(timed, 0.2, met), 2 * PATIENCE_S) for number in range(4)]
     with sharing(places):
         assert shared() is places
         spans = [data for _, data, _ in in_processes(tasks, 4)]

@@ -13,14 +13,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from safeloc.cli import main
 from safeloc.runtime.streams.records import Record
-from tests.runtime.embedding.driving import drive
+from tests.forked import instead_of_exec
+from tests.runtime.embedding.driving import drive, trusting
 
 ROOT = Path(__file__).parents[3]
 TRUSTING = "trust_first_marker = true\n"
 PATIENCE_S = 90.0
 SAFELOC = (sys.executable, "-c", "from safeloc.cli import main; main()")
-"""The command `safeloc`, of this checkout."""
+"""The command `safeloc`, of this checkout. Here it is forked from the process of the tests, which saves a second each time."""
+STARTED = (sys.executable, "-m", "safeloc")
+"""The same, started as a shell would start it."""
 
 Data = dict[str, Any]
 
@@ -67,17 +71,33 @@ def ran(
     folder: Path, *arguments: str, said: str = "", config: str = TRUSTING, machine: str = "odometry"
 ) -> subprocess.CompletedProcess[bytes]:
     """A whole run over standard input."""
+    return run_to_its_end(command(folder, *arguments, config=config, machine=machine), input=said.encode())
+
+
+def run_to_its_end(words: Sequence[str], **options: Any) -> subprocess.CompletedProcess[bytes]:
+    """The same of any command line."""
     return subprocess.run(
-        command(folder, *arguments, config=config, machine=machine), input=said.encode(), capture_output=True, cwd=ROOT,
-        check=False, timeout=PATIENCE_S,
-    )  # fmt: skip
+        words, capture_output=True, cwd=ROOT, check=False, timeout=PATIENCE_S, **_forked_if_safeloc(words, options)
+    )
+
+
+def _forked_if_safeloc(words: Sequence[str], options: dict[str, Any]) -> dict[str, Any]:
+    """Options of `subprocess` with which `safeloc` is forked, and not loaded anew; other programs are started as ever."""
+    if tuple(words[: len(SAFELOC)]) != SAFELOC:
+        return options
+    trusting()  # what nearly all of them run is made before, once
+    told = ["safeloc", *words[len(SAFELOC) :]]
+    begin = instead_of_exec(main, told, options.get("env"), options.get("preexec_fn"))
+    return {**options, "preexec_fn": begin, "restore_signals": False}
 
 
 class Running:
     """A process that goes on; its log is read as it comes."""
 
-    def __init__(self, words: Sequence[str], **streams: Any) -> None:
-        self.process = subprocess.Popen(words, stderr=subprocess.PIPE, cwd=ROOT, bufsize=0, **streams)
+    def __init__(self, words: Sequence[str], **options: Any) -> None:
+        self.process = subprocess.Popen(
+            words, stderr=subprocess.PIPE, cwd=ROOT, bufsize=0, **_forked_if_safeloc(words, options)
+        )
         self.log: list[Data] = []
         self._rest = b""
 

@@ -25,6 +25,7 @@ from tests.runtime.service.processes import (
     numbered,
     read,
     reports,
+    run_to_its_end,
     started,
     wait_for,
 )  # fmt: skip
@@ -125,7 +126,7 @@ def drive(port: int, cycles: int) -> object:
 def test_a_machine_without_its_files_is_not_started_for_ever(tmp_path: Path, unit: list[str]) -> None:
     """Without a configuration the exit code is one that is started again, and the unit bounds how often."""
     (tmp_path / "etc" / "odometry.toml").unlink()
-    done = subprocess.run(unit, capture_output=True, check=False, cwd=ROOT, timeout=PATIENCE_S)
+    done = run_to_its_end(unit)
     told = settings()
     assert done.returncode == 2
     assert (

@@ -22,6 +22,7 @@ from tests.runtime.embedding.driving import drive, trusting
 from tests.runtime.service.processes import (
     PATIENCE_S,
     SAFELOC,
+    STARTED,
     Data,
     command,
     line,
@@ -30,6 +31,7 @@ from tests.runtime.service.processes import (
     ran,
     read,
     reports,
+    run_to_its_end,
     running,
     wait_for,
 )
@@ -52,8 +54,8 @@ def by_hand(cycles: int) -> list[Data]:
 
 
 def test_records_in_reports_out(tmp_path: Path) -> None:
-    """A whole run over pipes, to its end; the log says how it went."""
-    done = ran(tmp_path, said="".join(lines(30)))
+    """A whole run over pipes, to its end, started as a shell would; the log says how it went."""
+    done = run_to_its_end([*STARTED, *command(tmp_path)[len(SAFELOC) :]], input="".join(lines(30)).encode())
     assert done.returncode == 0
     assert read(done.stdout) == by_hand(30)
     log = read(done.stderr)

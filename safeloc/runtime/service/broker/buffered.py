@@ -8,8 +8,11 @@ Whole packets can be taken out of what came, so that paho never sees them (`sift
 
 from __future__ import annotations
 
+import socket
 import ssl
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 from safeloc.runtime.service.broker.packets import LONGEST, extent
@@ -18,7 +21,7 @@ _PIECE = 65_536
 """Most bytes that are read at once."""
 
 _LAST_S = 1.0
-"""Most seconds for what is left to be sent at a regular end."""
+"""Most seconds for what is left to be sent at a regular end, and for the other end to close."""
 
 
 class BufferedSocket:
@@ -130,9 +133,20 @@ class BufferedSocket:
         """Close the socket. What is unsent is lost, or at a regular end sent before, within a second."""
         if self.polite:
             self.polite = False
-            try:
-                self._inner.settimeout(_LAST_S)
-                self._inner.sendall(self.unsent)
-            except OSError:
-                pass  # the connection is broken: nothing more can be said
+            with suppress(OSError):  # the connection is broken: nothing more can be said
+                self._say_all()
         self._inner.close()
+
+    def _say_all(self) -> None:
+        """Send what is left, and wait until the other end has read all of it and closes.
+
+        A socket that is closed while something comes is reset, and the broker tells the last will though the end was regular.
+        """
+        until = time.monotonic() + _LAST_S
+        self._inner.settimeout(_LAST_S)
+        self._inner.sendall(self.unsent)
+        self._inner.shutdown(socket.SHUT_WR)
+        while (left_s := until - time.monotonic()) > 0:
+            self._inner.settimeout(left_s)
+            if not self._inner.recv(_PIECE):
+                return

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from safeloc.errors import InputError
+from safeloc.runtime.locked_folder import locked
 from safeloc.runtime.service.saving import read_saved, write_atomically
 
 _CLAIM = re.compile(r"([0-9]{1,18})\.claim")
@@ -32,15 +33,17 @@ _LAYOUT = "partitions"
 def require_layout(folder: Path, partitions: int) -> None:
     """Make the folder, or check that its snapshots are of so many partitions; InputError if they are not.
 
-    With another number, vehicles would be in other partitions, without their snapshots.
+    With another number, vehicles would be in other partitions, without their snapshots. Of processes that begin at the same
+    moment one makes it, and the others check it.
     """
     path = folder / _LAYOUT
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        found = path.read_bytes() if path.exists() else b""
-        if not found:
-            write_atomically(path, b"%d\n" % partitions)
-            return
+        with locked(folder):
+            found = path.read_bytes() if path.exists() else b""
+            if not found:
+                write_atomically(path, b"%d\n" % partitions)
+                return
     except OSError as error:
         raise InputError(f"{folder}: no folder for snapshots: {error.strerror}.") from error
     if found.strip() != b"%d" % partitions:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import select
 import socket
+import threading
 from collections.abc import Iterator
 
 import pytest
@@ -130,11 +132,29 @@ def test_what_the_peer_does_not_take_waits(pair: tuple[BufferedSocket, socket.so
 def test_only_a_regular_end_sends_what_waits(pair: tuple[BufferedSocket, socket.socket], polite: bool) -> None:
     """A process that lost its partition must say nothing more."""
     one, peer = pair
+    peer.shutdown(socket.SHUT_WR)
     one.send(b"the last word")
     one.polite = polite
     one.close()
     one.close()
     assert peer.recv(100) == (b"the last word" if polite else b"")
+
+
+def test_a_regular_end_while_something_comes() -> None:
+    """The peer reads all of it and then a regular end, no broken connection, for which a broker would tell the last will."""
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.create_connection(server.getsockname()) as peer:
+        inner, _ = server.accept()
+        peer.sendall(b"an acknowledgement that nobody reads")
+        select.select([inner], [], [], 60)
+        one = BufferedSocket(inner)
+        one.send(b"the last word")
+        one.polite = True
+        ending = threading.Thread(target=one.close)
+        ending.start()
+        assert [peer.recv(100), peer.recv(100)] == [b"the last word", b""]
+        peer.close()
+        ending.join()
+    assert one.fileno() == -1
 
 
 def test_a_regular_end_of_a_broken_connection(pair: tuple[BufferedSocket, socket.socket]) -> None:

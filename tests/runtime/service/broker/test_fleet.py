@@ -312,5 +312,6 @@ def test_processes_as_a_user_starts_them(tmp_path: Path, there: Broker, speaker:
             speaker.send("7", each)
         wait_for(lambda: len(speaker.by_cycle("7")) == 40, "reports")
         assert heard(speaker, "7", 40) == [without_lines(report) for report in alike[:40]]
+        wait_for(lambda: len({*speaker.owners().values()}) == 1, "the other one owns all")
         assert other.end(signal.SIGTERM) == 0
-    assert set(speaker.owners().values()) == {""}
+    wait_for(lambda: set(speaker.owners().values()) == {""}, "free leases")

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Barrier
 
 import pytest
 from hypothesis import given
@@ -166,6 +168,26 @@ def test_a_damaged_snapshot_is_not_passed_over(tmp_path: Path) -> None:
     epochs.path(epochs.claim()).write_bytes(b"damaged")
     with pytest.raises(SnapshotError):
         epochs.last(epochs.claim())
+
+
+@pytest.mark.parametrize("numbers", [(4,) * 8, (4, 8) * 4])
+def test_a_folder_for_several_that_begin_at_once(tmp_path: Path, numbers: tuple[int, ...]) -> None:
+    """One makes it, all others find it, and those of another number are refused."""
+    together = Barrier(len(numbers))
+
+    def refused(partitions: int) -> str:
+        together.wait(60)
+        try:
+            require_layout(tmp_path / "kept", partitions)
+        except InputError as error:
+            return str(error)
+        return ""
+
+    with ThreadPoolExecutor(len(numbers)) as pool:
+        told = dict(zip(enumerate(numbers), pool.map(refused, numbers), strict=True))
+    (one,) = {number for (_, number), why in told.items() if not why}
+    for (_, number), why in told.items():
+        assert why == "" if number == one else f"snapshots of {one} partitions, not {number}" in why
 
 
 def test_a_folder_of_another_division(tmp_path: Path) -> None:
