@@ -14,6 +14,8 @@ from _pytest.assertion.rewrite import AssertionRewritingHook
 from tests.forked import instead_of_exec
 
 _OPTIONS = ("--disable-plugin-autoload", "-p", "no:cacheprovider")
+_FORKED = ("-p", "no:faulthandler")
+"""The thread that ends a hanging test stays in the process of the tests: pytest's plugin would wait for it for ever in a fork."""
 
 
 def run_pytest(
@@ -31,7 +33,7 @@ def run_pytest(
     def program() -> int:
         sys.meta_path[:] = [one for one in sys.meta_path if not isinstance(one, AssertionRewritingHook)]
         sys.path.insert(0, os.getcwd())  # as `python -m` does
-        return pytest.main(words[1:])
+        return pytest.main([*words[1:], *_FORKED])
 
     begin = instead_of_exec(program, words, environment)
     return subprocess.run(
