@@ -44,7 +44,7 @@ def load_target(spec: str, config: Path | None = None, *, with_recordings: bool 
     InputError names the requested machine and the existing ones.
     """
     found = replace(_found(spec, config, with_recordings), spec=spec, config_file=config)
-    if spec in ENTRIES and config is None:
+    if config is None and ":" not in spec and spec in ENTRIES:  # to ask for a user's own would load all that ship
         _WITH_DEFAULTS[spec] = found
     return found
 
