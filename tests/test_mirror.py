@@ -31,7 +31,7 @@ ONLY_TESTS = {
     "fuzz_readers": "random files against every reader",
     "models/fibre_scenes": "scenes of sensing and machines together",
     "soak": "long runs of the service",
-    "theorems": "machines that prove a formula which a machine that ships uses",
+    "theorems": "machines and enumerations that prove what a machine that ships uses",
 }
 """Folders of tests without a folder of the source, and what they are about."""
 

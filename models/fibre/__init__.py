@@ -60,7 +60,7 @@ _DOC = (
     "sections: sections near each other in number differ; each is as long as its kind says; any other "
     "change that looks like the expected section lies farther away than the expectation window can "
     "bridge. References and the map's answers are true. Any section may be missed, and false ones may "
-    "come."
+    "come, but no more than one among those of a code word that is found."
 )
 _COUPLED_DOC = (
     "The same machine of one end of a train. Assumed of coupling and material: by how much each kind of section changes the amplitude "

@@ -17,13 +17,15 @@ They guarantee, without counting and without measured distances (each is a funct
 
 No code of symbols can notice a false section after the last true one whose symbol is just that of the next section. The
 count is then one ahead until the next true section; the expectation window of the fibre machine, or an additional
-localization, notices it at once.
+localization, notices it at once. Nor do these laws exclude that a word is another one, two of whose sections were
+missed, misread or false: how often that gives a wrong place is in docs/fibre.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 from safeloc.errors import InputError
@@ -69,7 +71,7 @@ class PositionCode:
         """
         return self.places.get(tuple(read[-self.window :])) if len(read) >= self.window else None
 
-    @property
+    @cached_property
     def places(self) -> dict[Word, tuple[int, int]]:
         """Every window, read either way, with the section that is read last."""
         return dict(_windows(self.symbols, self.window))
@@ -209,7 +211,10 @@ def _windows(symbols: Word, window: int) -> Iterator[tuple[Word, tuple[int, int]
 
 
 def _one_error(passed: Word, window: int) -> Iterator[Word]:
-    """Yield the last `window` symbols read, with one section missed, misread or false, but not the last one."""
+    """Yield the last `window` symbols read, with one section missed, misread or false, but not the last one.
+
+    A word whose last section is misread is, read backwards, one whose first is, and windows are read both ways.
+    """
     symbols_read = passed[-window - 1 :]
     if len(symbols_read) == window + 1:
         for missed in range(1, window):

@@ -94,9 +94,8 @@ class _Run:
         self.rng = np.random.default_rng(seed)
         self.code = on_board(config.model_dump_json())
         self.state = self.code.first()
-        self.places = (
-            make_code(len(sections), config.window, config.reach).places if len(sections) >= config.window else {}
-        )
+        coded = len(sections) >= config.window
+        self.words = make_code(len(sections), config.window, config.reach) if coded else None
         self.truth_nm, self.edge_nm, self.count, self.inside = drive.start_mm * NM_PER_MM, 0, 0, 0
         self.real, self.upwards = False, True
         spread = config.edge_tolerance_mm * 8 // 10
@@ -154,8 +153,8 @@ class _Run:
         """Return the counter's reference at the start, and the map's answer to a word."""
         outputs = self.code.named_outputs(self.state)
         found = None
-        if int(outputs["word_length"]) == self.config.window:
-            found = self.places.get(_spelt(int(outputs["word"]), self.config.window))
+        if self.words is not None and int(outputs["word_length"]) == self.config.window:
+            found = self.words.decode(_spelt(int(outputs["word"]), self.config.window))
         place, count = 0, 0
         if found is not None:
             last, direction = found

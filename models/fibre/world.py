@@ -7,6 +7,7 @@ number with which the host asks the map.
                   section since the last amplitude
     the map       has a section where it really lies, or so far from there that no expectation window bridges the distance
     a section     is as long as its kind says, and looks unlike the sections near it in number
+    a code word   that is found has at most one section that is missed, misread or false, and the last one is not false
     the train     may pass sections unseen, and meet changes that are no sections
 
 The amplitude's band is derived here once more, from the inputs alone.
@@ -384,10 +385,13 @@ def _word_law(own: Parts) -> Law:
     at_edge = own.ghosts.edge.eq(exact_to(own.word_position, NM))
     return Law(
         own.word_found.implies(at_edge & own.ghosts.count.eq(own.word_count)),
-        "If the map has the code word that was read, the edge passed last is the one that the map gives for this word, and so "
-        "is the number of sections below it.",
+        "The map has the sections as they lie, and of those passed from the first to the last symbol of a code word that it has, at "
+        "most one is missed, misread or false, and the one read last is no false one, but the section passed last. Then the edge "
+        "passed last is the one that the map gives for this word, and so is the number of sections below it.",
         ("window", "reach"),
-        "[D] a code in which no window with one error among its symbols is another one (fibre.code, strict)",
+        "[D] of each such reading it is shown, through the decoder, that the edge and the number follow, for codes that pass the "
+        "audit (docs/fibre.md, words with an error)",
         "infrastructure",
-        "audit of the line: the rules `position code` and `code withstands an error`, for the configured window",
+        "audit of the line: the rules `position code` and `code withstands an error`, for the configured window. How often a "
+        "section is missed, misread or false: by the reasons of F of trains that are located",
     )

@@ -1,1 +1,1 @@
-"""Machines of theorems that only tests prove: no part of the package."""
+"""Machines and enumerations of theorems that only tests prove: no part of the package."""

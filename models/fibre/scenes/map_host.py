@@ -23,7 +23,7 @@ class MapHost:
         ]
         symbols = tuple(one.symbol for one in sections)
         coded = len(symbols) >= config.window
-        self._places = PositionCode(symbols, config.window, config.reach).places if coded else {}
+        self._code = PositionCode(symbols, config.window, config.reach) if coded else None
 
     def below(self, place_mm: int) -> int:
         """Return how many sections lie wholly below a place."""
@@ -44,14 +44,19 @@ class MapHost:
         }  # fmt: skip
 
     def _word(self, outputs: Mapping[str, Value]) -> dict[str, Cell]:
-        read = int(outputs["word_length"]) == self._window
-        found = self._places.get(_spelt(int(outputs["word"]), self._window)) if read else None
+        found = self._found(outputs)
         if found is None:
             return {"word_found": False, "word_count": 0, "word_position_mm": 0}
         last, direction = found
         one = self.sections[last - 1]
         place, count = (one.high_mm, last) if direction > 0 else (one.low_mm, last - 1)
         return {"word_found": True, "word_count": count, "word_position_mm": place}
+
+    def _found(self, outputs: Mapping[str, Value]) -> tuple[int, int] | None:
+        """Return the section read last and the direction, if a whole word was read that the line has."""
+        if self._code is None or int(outputs["word_length"]) != self._window:
+            return None
+        return self._code.decode(_spelt(int(outputs["word"]), self._window))
 
 
 def _spelt(word: int, window: int) -> Word:

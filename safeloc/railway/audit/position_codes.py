@@ -1,7 +1,8 @@
 """Position codes: the sections of a fibre that the map calls a code give the place to the fibre machine as it is configured (FWG-10).
 
-The fibre machine reads `code_window` symbols and asks the map for their place. That a word lies at one place only is a law of
-its world; here it is checked on the map, for the window that is configured. A fibre with fewer sections than that has no word.
+The fibre machine reads `code_window` symbols and asks the map for their place. That a word lies at one place only,
+also with an error among its sections, is what the law of its world rests on; here it is checked on the map, for the window
+that is configured. A fibre with fewer sections than that has no word.
 """
 
 from __future__ import annotations
