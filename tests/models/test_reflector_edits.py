@@ -298,7 +298,7 @@ OF_FOUND: Edits = {
         table, "_going_on", rows("balise without self-test", lambda own: {own.recognised_now: TRUE}),
         "where no reflector is looked for, none is found"),
 }  # fmt: skip
-"""When a reflector counts as found. Of the claims that one step of induction decides, all others keep the first of these machines."""
+"""When a reflector counts as found. But for the last, all other claims that one step of induction decides keep these machines."""
 
 
 @pytest.mark.thorough(ordinary=1)
