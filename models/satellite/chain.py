@@ -12,15 +12,17 @@ One cycle at time t:
 2. The almanac, if there is one, gives its age and the elevation of each received satellite from there; the selection
    machine uses it only while it is current (SAT-6). Pseudorange and range rate are predicted from the ephemerides that are valid (SAT-2), and taken from the measured ones;
    the receiver's clock goes by the median of each constellation.
-3. The selection machine gives the usable satellites (LSVU) of this cycle; position and speed are solved from these alone
-   (SAT-5), with their dilution, sum |a_i|. Every solution is solved again, by another method, from the satellites that it
-   names; one that does not follow from usable ones is no solution (`Outcome.unconfirmed`). The machine itself adds the greatest error of a usable signal, times the dilution.
+3. The selection machine gives the usable satellites (LSVU) of this cycle. The sky is looked at again by their signals alone,
+   clock and time of the measurement included, and position and speed are solved from that (SAT-5), with their dilution,
+   sum |a_i|. Every solution is solved again, by another method, from the satellites that it names; one that does not follow
+   from usable ones is no solution (`Outcome.unconfirmed`). The machine itself adds the greatest error of a usable signal,
+   times the dilution.
 4. The composed machine takes one step with the same inputs. `outcome.inputs` is that step: written to a step stream, it
    replays to the same result.
 
 Nothing raises for what a receiver delivers: what is not finite, expired, late or left over is a fault or a reason in the
 outcome. Cycles follow each other by the machine's period; an epoch that is half of it or more away is not of this cycle.
-The receiver's clock may be wrong by less than that.
+The receiver's clock may be wrong by less than that. The first epoch with usable satellites is that of its cycle's time.
 """
 
 from __future__ import annotations
@@ -47,11 +49,12 @@ from safeloc.models.satellite_selection import STANDING
 from safeloc.models.satellite_selection.variables import OLDEST_S
 from safeloc.runtime.border import Fault, Reason
 from safeloc.sensing.satellite.almanac import Almanac
-from safeloc.sensing.satellite.channels import Channels, ChannelValues, Received
+from safeloc.sensing.satellite.channels import Channels, ChannelValues, Received, differences
 from safeloc.sensing.satellite.confirmation import refuted
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.residuals import Kept
 from safeloc.sensing.satellite.solution import Bounds, Look, Solution, Weighting, solve
 from safeloc.sensing.satellite.track_fit import NoSolution
 
@@ -101,7 +104,7 @@ class Outcome:
     fired      the transitions that fired, by machine
     ahead      E*(t); None while unlocated
     standings  per visible satellite, what the selection says: USABLE, EXCLUDED, WARMING, SILENT, EXPIRED, UNLISTED, ABSENT
-    sighting   residuals on every possible portion, none without a prediction
+    sighting   residuals of all that is visible on every possible portion, none without a prediction
     solution   fits with bounds; None without one: `outputs["position.missing"]` says why
     unconfirmed  why a solution was refused that does not follow from usable satellites that it names; otherwise empty
     faults     what was left out, with the reason
@@ -167,6 +170,7 @@ class EpochChain:
         self._state, self._selected = self._code.first(), self._select.first()
         self._channels = Channels(config.satellite.selection.channels, config.window_epochs)
         self._due_s: float | None = None
+        self._timed = False
 
     @property
     def state(self) -> dict[str, Value]:
@@ -178,14 +182,16 @@ class EpochChain:
         before = self.state
         predicted = ahead(before, self.config.satellite) if before["position.mode"] != UNLOCATED else None
         epoch, late = self._of_this_cycle(cycle.epoch)
-        seen = self._sighting(epoch, predicted)
+        kept: Kept = {}
+        seen = self._sighting(epoch, predicted, kept)
         received = self._received(epoch, seen)
         standings = self._standings(received)
         usable = frozenset(name for name, standing in standings.items() if standing == "USABLE")
-        solution, missing, unconfirmed = self._solution(predicted, seen, received, usable)
+        alone = self._of_usable(epoch, predicted, seen, usable, kept)
+        solution, missing, unconfirmed = self._solution(predicted, alone, usable)
         fix = no_fix(missing)
         if solution is not None and predicted is not None:
-            fix = self._fix(solution, predicted, seen.offset_s)
+            fix = self._fix(solution, predicted, alone.offset_s)
         inputs = {**self._channel_inputs(received, solution), **fix, **trusted_inputs(cycle.reference, cycle.run)}
         self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         outputs, fired = self._code.named_outputs(self._state), self._code.fired(numbers)
@@ -204,7 +210,7 @@ class EpochChain:
             return epoch, ()
         return None, (Fault("epoch", Reason.STALE if off_s < 0 else Reason.FUTURE, f"{off_s:+.3f} s off the cycle"),)
 
-    def _sighting(self, epoch: Epoch | None, predicted: Ahead | None) -> Sighting:
+    def _sighting(self, epoch: Epoch | None, predicted: Ahead | None, kept: Kept) -> Sighting:
         if epoch is None or predicted is None:
             return Sighting("NO_EPOCH" if epoch is None else "NO_PREDICTION")
         portions = self._track(*predicted.stretch_m())
@@ -215,7 +221,25 @@ class EpochChain:
                 self._due_s = true_time_s(epoch, predicted, portions, self._navigation)
             except InputError:
                 return Sighting("NO_PREDICTION")
-        return sighted(epoch, predicted, portions, self._due_s, self._navigation)
+        return sighted(epoch, predicted, portions, self._due_s, self._navigation, kept)
+
+    def _of_usable(
+        self, epoch: Epoch | None, predicted: Ahead | None, seen: Sighting, usable: frozenset[str], kept: Kept
+    ) -> Sighting:
+        """The same sky by usable satellites alone (SAT-5): no other one has a part in clock, differences or time.
+
+        When the cycles are due is known from all satellites at first, for the criterion, and from usable ones as soon as there
+        are any: nothing has been solved until then.
+        """
+        if epoch is None or predicted is None or self._due_s is None or seen.missing or not usable:
+            return seen
+        alone = epoch.only(usable)
+        try:
+            if not self._timed:
+                self._due_s, self._timed = true_time_s(alone, predicted, seen.portions, self._navigation), True
+            return sighted(alone, predicted, seen.portions, self._due_s, self._navigation, kept)
+        except InputError:
+            return Sighting("NO_PREDICTION")
 
     def _received(self, epoch: Epoch | None, seen: Sighting) -> Received:
         """Every satellite of the epoch above the mask is visible (LSV)."""
@@ -251,28 +275,31 @@ class EpochChain:
         }
 
     def _solution(
-        self, predicted: Ahead | None, seen: Sighting, received: Received, usable: frozenset[str]
+        self, predicted: Ahead | None, alone: Sighting, usable: frozenset[str]
     ) -> tuple[Solution | None, str, str]:
         """Return the solution from usable satellites only, or None with the reason, and why a solution was refused."""
-        if predicted is None or seen.missing:
-            return None, seen.missing, ""
+        if predicted is None or alone.missing:
+            return None, alone.missing, ""
         if not usable:
             return None, "NONE_LEFT", ""
-        looks = self._looks(predicted, seen, received)
+        looks = self._looks(predicted, alone)
+        there = usable.intersection(*(look.measured for look in looks))
         free, weighting = self.config.solution == "free", self.config.weighting
         try:
-            solution = self._solver(looks, usable, free=free, weighting=weighting)
+            solution = self._solver(looks, there, free=free, weighting=weighting)
         except NoSolution as none:
             return None, none.why, ""
-        why = refuted(solution, looks, usable, free=free, weighting=weighting)
+        why = refuted(solution, looks, there, free=free, weighting=weighting)
         return (None, "UNCONFIRMED", why) if why else (solution, "", "")
 
-    def _looks(self, predicted: Ahead, seen: Sighting, received: Received) -> list[Look]:
-        """Return the satellites seen from the prediction on each portion, with the bounds of the further errors there."""
-        estimate, every = predicted.estimate(seen.offset_s), zip(seen.places, seen.portions, strict=True)
-        bounds = [self.config.bounds.on_track(estimate, portion, seen.distance_m) for _, portion in every]
-        measured = zip(seen.places, bounds, received.off_mm, received.speed_off_mm_s, seen.residuals, strict=True)
-        return [Look(place, bound, off, speed, look.predictions) for place, bound, off, speed, look in measured]
+    def _looks(self, predicted: Ahead, alone: Sighting) -> list[Look]:
+        """Return the usable satellites seen from the prediction on each portion, with the bounds of the further errors there."""
+        estimate = predicted.estimate(alone.offset_s)
+        looks: list[Look] = []
+        for place, portion, found in zip(alone.places, alone.portions, alone.residuals, strict=True):
+            bounds, off = self.config.bounds.on_track(estimate, portion, alone.distance_m), differences(found)
+            looks.append(Look(place, bounds, off.off_mm, off.speed_off_mm_s, found.predictions))
+        return looks
 
     def _fix(self, solution: Solution, predicted: Ahead, offset_s: float) -> StepValues:
         return fix_inputs(solution, predicted, offset_s, self.config.satellite)

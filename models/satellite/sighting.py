@@ -1,4 +1,8 @@
-"""One cycle's look at the sky from the predicted state: residuals on every portion of track that is possible."""
+"""One cycle's look at the sky from the predicted state: residuals on every portion of track that is possible.
+
+Every satellite of the epoch that is given has a part in the clock, and so in all residuals and in the time of the measurement.
+The chain looks twice: at all that is visible, for the criterion, and at the usable satellites alone, for the solution (SAT-5).
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from safeloc.models.satellite.ahead import Ahead
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
-from safeloc.sensing.satellite.residuals import Residuals, residuals
+from safeloc.sensing.satellite.residuals import Kept, Residuals, residuals
 from safeloc.sensing.satellite.track_prediction import OnTrack, Portion, on_portion
 
 Track = Callable[[float, float], Sequence[Portion]]
@@ -32,14 +36,16 @@ class Sighting:
     offset_s: float = 0.0
 
 
-def sighted(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], due_s: float, navigation: Navigation) -> Sighting:
+def sighted(
+    epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], due_s: float, navigation: Navigation, kept: Kept
+) -> Sighting:
     """Return the residuals of an epoch at the places that E*(t) predicts on the portions; a state off the map gives none."""
     state = ahead.at(epoch.time_s - due_s)
     try:
         places = on_portion(state, portions)
     except InputError:
         return Sighting("NO_PREDICTION")
-    found = [residuals(epoch, _place(one), one.velocity_m_per_s, navigation) for one in places]
+    found = [residuals(epoch, _place(one), one.velocity_m_per_s, navigation, kept) for one in places]
     offset_s = epoch.time_s - found[0].clock_s - due_s
     return Sighting("", tuple(found), tuple(places), tuple(portions), ahead.at(offset_s).distance_m, offset_s)
 

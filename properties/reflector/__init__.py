@@ -9,6 +9,7 @@ from __future__ import annotations
 from safeloc.language.spec import Property
 from safeloc.models.reflector import ReflectorMachine
 from safeloc.properties.reflector.figures import LAW
+from safeloc.properties.reflector.found import found
 from safeloc.properties.reflector.leaving import leaving
 from safeloc.properties.reflector.not_found import not_found
 from safeloc.properties.reflector.room import layout_of, room
@@ -23,5 +24,5 @@ __all__ = ["LAW", "layout_of", "properties"]
 
 def properties(model: ReflectorMachine) -> list[Property]:
     """Return every property of the reflector machine."""
-    makers = (safety, view, search, zones, leaving, self_test, not_found, room)
+    makers = (safety, view, search, zones, leaving, self_test, found, not_found, room)
     return [prop for maker in makers for prop in maker(model)]

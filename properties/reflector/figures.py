@@ -114,15 +114,21 @@ def known_place(own: Parts) -> Num:
     return ite(begun(own), run_since(own) + own.balise.position.value, ran_mm(own) + before(own.anchor.position))
 
 
-def known_sides(own: Parts) -> tuple[Num, Num]:
-    """Return how far end A may be (ahead of, behind) that place, nm: by the errors of the reading and of the odometer since."""
+def reading_sides(own: Parts) -> tuple[Num, Num]:
+    """Return how far end A may be (ahead of, behind) the place that a balise reading gives, nm."""
     config = own.config
     base = with_unit(config.odometer.rate_ppm * without_sign(run_since(own)), NM) + exact_to(balise_accuracy(own), NM)
     late, untimed = ran_late(own, config.balise_latency_ms), ran_late(own, config.period_ms)
-    dated, law = own.balise.since.present, law_nm(own)
+    dated = own.balise.since.present
+    return ite(~dated, untimed[0], late[0]) + base, ite(~dated, untimed[1], late[1]) + base
+
+
+def known_sides(own: Parts) -> tuple[Num, Num]:
+    """Return how far end A may be (ahead of, behind) that place, nm: by the errors of the reading and of the odometer since."""
+    (ahead, behind), law = reading_sides(own), law_nm(own)
     return (
-        ite(begun(own), ite(~dated, untimed[0], late[0]) + base, law + before(own.anchor.above)),
-        ite(begun(own), ite(~dated, untimed[1], late[1]) + base, law + before(own.anchor.below)),
+        ite(begun(own), ahead, law + before(own.anchor.above)),
+        ite(begun(own), behind, law + before(own.anchor.below)),
     )
 
 

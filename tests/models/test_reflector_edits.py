@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from types import ModuleType
 
 import pytest
 
 from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, as_num, exact_to, ite, with_unit
-from safeloc.language.machine import Machine
+from safeloc.language.machine import Machine, Transition
+from safeloc.language.rows import Updates
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import build, echo, table
@@ -19,7 +20,7 @@ from safeloc.models.reflector.cycle import Judgement
 from safeloc.models.reflector.echo import Recognition, Situation
 from safeloc.models.reflector.map_data import NextReflector, Reflector, Target
 from safeloc.models.reflector.odometer import ReflectorOdometer as Odometer
-from safeloc.models.reflector.variables import ReflectorConfig, parts
+from safeloc.models.reflector.variables import Parts, ReflectorConfig, parts
 from safeloc.models.vocabulary.interval import Interval
 from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 from safeloc.properties.reflector import properties
@@ -260,6 +261,51 @@ OF_MODELS: Edits = {
 def test_a_model_taken_for_another_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """The same of the model that an echo shows, against what truly sent it."""
     owner, name, wrong, claim = OF_MODELS[edit]
+    assert keeps(made(), claim)
+    edited(monkeypatch, owner, name, wrong)
+    assert not keeps(made(), claim)
+
+
+def rows(name: str, more: Callable[[Parts], Updates]) -> Wrong:
+    """The row of that name sets more."""
+
+    def wrong(own: Parts, right: Iterable[Transition], *_args: object) -> list[Transition]:
+        return [replace(row, set={**row.set, **more(own)}) if row.name == name else row for row in right]
+
+    return wrong
+
+
+FAR_MM = 100 * M
+OF_FOUND: Edits = {
+    "a reflector found does not count": (
+        vars(table)["_Groups"], "seen",
+        lambda _g, right, *_a: {
+            var: FALSE if var.name == "recognised_now" else term for var, term in right.items() if var.name != "last_found_mm"},
+        "a searched reflector is found exactly when an echo fits it"),
+    "a reference reflector found does not count": (
+        vars(table)["_Groups"], "seen",
+        lambda _g, right, *_a: {
+            var: FALSE if var.name == "recognised_now" else term for var, term in right.items() if var.name != "last_found_mm"},
+        "a reference reflector is found exactly when an echo passes the self-test"),
+    "each echo of the reflector in view counts as one found": (
+        table, "_measured", rows("reflector tracked", lambda own: {own.recognised_now: TRUE, own.found: own.target.position}),
+        "in a view zone another reflector is found exactly when an echo fits it alone"),
+    "an echo from far away is refused as too close": (
+        echo, "judge", lambda slot, right, *_a: replace(right, verdict=ite(
+            right.verdict.eq(echo.FITS) & (slot.range.value > FAR_MM), echo.TOO_CLOSE, right.verdict)),
+        "a searched reflector is found exactly when its own echo is measured"),
+    "a balise alone counts as a reflector": (
+        table, "_going_on", rows("balise without self-test", lambda own: {own.recognised_now: TRUE}),
+        "where no reflector is looked for, none is found"),
+}  # fmt: skip
+"""When a reflector counts as found. But for the last, all other claims that one step of induction decides keep these machines."""
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("edit", OF_FOUND)
+def test_a_reflector_that_is_wrongly_found_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
+    """The same of what counts as found: too seldom, too often, or where none is looked for."""
+    owner, name, wrong, claim = OF_FOUND[edit]
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(made(), claim)

@@ -115,14 +115,22 @@ def test_a_recorded_sky_is_listed() -> None:
 # ------------------------------------------------------------------ wrong solvers
 
 
-def _every_signal(looks: Sequence[Look], used: frozenset[str], *, free: bool, weighting: Weighting) -> Solution:
-    """Uses and names every satellite that was measured."""
-    return solve(looks, used | frozenset(looks[0].off_mm), free=free, weighting=weighting)
+def _from_memory(*, named: bool) -> Solver:
+    """Uses the satellites of the cycle before as well, as they were then; no others are given to it. Names them, or does not."""
+    kept: list[Sequence[Look]] = []
+
+    def wrong(looks: Sequence[Look], used: frozenset[str], *, free: bool, weighting: Weighting) -> Solution:
+        kept.append(looks)
+        more = [_with(then, now) for then, now in zip(kept[-2 if len(kept) > 1 else -1], looks, strict=True)]
+        found = solve(more, used | more[0].measured, free=free, weighting=weighting)
+        return found if named else replace(found, used=used)
+
+    return wrong
 
 
-def _hides_a_foreign_one(looks: Sequence[Look], used: frozenset[str], *, free: bool, weighting: Weighting) -> Solution:
-    """Uses every satellite that was measured, and names usable ones."""
-    return replace(_every_signal(looks, used, free=free, weighting=weighting), used=used)
+def _with(then: Look, now: Look) -> Look:
+    off, speed_off = {**then.off_mm, **now.off_mm}, {**then.speed_off_mm_s, **now.speed_off_mm_s}
+    return Look(now.place, now.bounds, off, speed_off, {**then.predictions, **now.predictions})
 
 
 def _names_more(looks: Sequence[Look], used: frozenset[str], *, free: bool, weighting: Weighting) -> Solution:
@@ -172,8 +180,8 @@ def _tight(one: Solved) -> Solved:
 
 
 WRONG_SOLVERS: dict[str, tuple[Callable[[], Solver], str]] = {
-    "names satellites that are not usable": (lambda: _every_signal, "not usable in this cycle"),
-    "uses a foreign satellite unnamed": (lambda: _hides_a_foreign_one, "its place"),
+    "names satellites that are not usable": (lambda: _from_memory(named=True), "not usable in this cycle"),
+    "uses a foreign satellite unnamed": (lambda: _from_memory(named=False), "its place"),
     "leaves out a satellite that it names": (lambda: _names_more, "its place"),
     "uses a usable satellite unnamed": (lambda: _names_fewer, "its place"),
     "a place 5 mm off": (lambda: _place(lambda fit: replace(fit, along=fit.along + 5)), "its place is"),

@@ -46,16 +46,27 @@ def satellite_name(number: int) -> str:
 
 @dataclass(frozen=True)
 class Received:
-    """The selection's inputs in a cycle by the names of its variables, the channel of every satellite, and faults.
-
-    off_mm, speed_off_mm_s   differences from the prediction, for each look (portion of track) and satellite
-    """
+    """The selection's inputs in a cycle by the names of its variables, the channel of every satellite, and faults."""
 
     inputs: ChannelValues
     channels: Mapping[str, int]
-    off_mm: Sequence[Mapping[str, int]]
-    speed_off_mm_s: Sequence[Mapping[str, int]]
     faults: tuple[Fault, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Differences:
+    """Differences of one look by satellite, in whole mm and mm/s, and what was left out."""
+
+    off_mm: Mapping[str, int]
+    speed_off_mm_s: Mapping[str, int]
+    faults: tuple[Fault, ...]
+
+
+def differences(look: Residuals) -> Differences:
+    """Return the residuals in whole mm and mm/s, rounded away from zero. One that is not finite or too great is a fault."""
+    faults: list[Fault] = []
+    codes = _as_integers(look.pseudorange_m, FARTHEST_MM, faults)
+    return Differences(codes, _as_integers(look.rate_m_per_s, _FASTEST_MM_S, faults), tuple(faults))
 
 
 class Channels:
@@ -77,8 +88,9 @@ class Channels:
         """
         without_channel = self._assign(visible)
         faults = [Fault(name, Reason.SURPLUS, "no free channel") for name in without_channel]
-        codes = [_as_integers(look.pseudorange_m, FARTHEST_MM, faults) for look in looks]
-        rates = [_as_integers(look.rate_m_per_s, _FASTEST_MM_S, faults) for look in looks]
+        every = [differences(look) for look in looks]
+        faults += [fault for one in every for fault in one.faults]
+        codes, rates = [one.off_mm for one in every], [one.speed_off_mm_s for one in every]
         inputs: ChannelValues = {}
         channels: dict[str, int] = {}
         for number, name in enumerate(self._held, 1):
@@ -87,7 +99,7 @@ class Channels:
                 channels[name] = number
                 inputs |= self._inputs(f"channel_{number}", name, _worst(codes, name), _worst(rates, name))
         faults += [Fault(name, Reason.STALE, "no valid ephemeris") for name in sorted(visible - valid)]
-        return Received(inputs, channels, codes, rates, tuple(dict.fromkeys(faults)))
+        return Received(inputs, channels, tuple(dict.fromkeys(faults)))
 
     def _assign(self, visible: Set[str]) -> list[str]:
         """Give every visible satellite a channel; return those for which none is free."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
 
 from safeloc.errors import InputError
@@ -47,6 +47,10 @@ class Epoch:
 
     time_s: float
     satellites: dict[str, Measured]
+
+    def only(self, names: Set[str]) -> Epoch:
+        """Return the epoch with the measurements of these satellites alone."""
+        return Epoch(self.time_s, {name: one for name, one in self.satellites.items() if name in names})
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,18 +37,28 @@ class Residuals:
 
 Predict: TypeAlias = Callable[[str, float, Place], Predicted]
 """From satellite, time of reception (GPS seconds) and place of the antenna to its signal."""
+Kept: TypeAlias = dict[tuple[str, float, Place, Vector], Predicted]
+"""Predictions of one cycle by satellite, time of reception, place and velocity: each is made once, however often the sky is looked at."""
 
 
-def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation) -> Residuals:
+def residuals(
+    epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation, kept: Kept | None = None
+) -> Residuals:
     """Return residuals from the estimated state E*(t) at the receiver's time (SAT-1).
 
     The clock of each constellation is estimated separately. A value that was not measured has no residual.
+
+    kept   predictions that another look at the same sky made, and where to keep those of this one
     """
     found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
     valid = {name: one for name, one in found.items() if one is not None}
+    known: Kept = {} if kept is None else kept
 
     def predict(name: str, time_s: float, at: Place) -> Predicted:
-        return predicted(valid[name], time_s, at, velocity_m_per_s, navigation.ionosphere)
+        key = (name, time_s, at, velocity_m_per_s)
+        if key not in known:
+            known[key] = predicted(valid[name], time_s, at, velocity_m_per_s, navigation.ionosphere)
+        return known[key]
 
     return compared(epoch, place, velocity_m_per_s, valid.keys(), predict)
 

@@ -78,6 +78,12 @@ class Look:
     speed_off_mm_s: Mapping[str, int]
     predictions: Mapping[str, Predicted]
 
+    @property
+    def measured(self) -> frozenset[str]:
+        """The satellites with a difference in each quantity that is solved."""
+        solved = ((self.bounds.range_mm, self.off_mm), (self.bounds.speed_mm_s, self.speed_off_mm_s))
+        return frozenset(self.predictions).intersection(*(off for bound, off in solved if bound is not None))
+
 
 @dataclass(frozen=True, slots=True)
 class Solved:
