@@ -41,8 +41,9 @@ from safeloc.properties.hearing import hears_value
 from safeloc.properties.turn_off import LAW as IMAGES
 
 LAW = (
-    f"{anchored_device.LAW}; {IMAGES}; a start that names any route names the true one; an echo that shows a model is that of a reflector beside the "
-    "true route, within its error, and the map names it there"
+    f"{anchored_device.LAW}; {IMAGES}; a start that names any route names the true one; an echo that shows a model is that of a reflector: beside the "
+    "true route, within its error, and the map names it there; or beside another track, which the map has in view of the true route, and not where a "
+    "near reflector of the own track stands"
 )
 REQUIREMENTS = ("RFL-D6",)
 _OF_THE_ROUTE = (
@@ -65,7 +66,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 def properties(whole: ReflectorRoute) -> list[Property]:
     """Return the properties of the whole device."""
     makers = (
-        _host, _branch, _branches, _too_many, _lost, _only_lost, _told_why, _withdrawn, _starts, _candidates,
+        _host, _branch, _branches, _others, _too_many, _lost, _only_lost, _told_why, _withdrawn, _starts, _candidates,
         _near_the_start, _sightings, _courses, _watched,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(whole)]
@@ -119,6 +120,27 @@ def _branches(whole: ReflectorRoute) -> Iterator[Property]:
         all_of([nothing, _carrying(whole)]).implies(kept),
         statement="in a cycle in which no echo shows a model, no turn is seen and no route begins, every route that was possible stays possible, and no other "
         "becomes possible, unless all are given up",
+    )
+
+
+def _others(whole: ReflectorRoute) -> Iterator[Property]:
+    own, into = whole.route.own, whole.composition.of(whole.route.machine)
+    heard = whole.composition.of(whole.source.machine)
+    near = any_of(
+        all_of([heard.bool(_shows(whole, one)), _stands_by_own_track(whole, one)]) for one in whole.source.own.slots
+    )
+    turned, begun = into.num(own.course_taken).ne(UNDECIDED), into.bool(own.start_error.present)
+    left = all_of(
+        (earlier_bool(_possible(whole, one.possible)) & into.bool(one.other_in_view)).implies(
+            _possible(whole, one.possible)
+        )
+        for one in own.routes
+    )
+    yield for_all_inputs(
+        "another track's reflector in view leaves the branch",
+        any_of([near, turned, begun, ~_carrying(whole)]) | left,
+        statement="in a cycle in which no echo with a model is near and on the own track's side, no turn is seen and no route begins, a route stays possible "
+        "from which the map has such a reflector of another track in view, unless all are given up",
     )
 
 
@@ -260,19 +282,27 @@ def _sightings(whole: ReflectorRoute) -> Iterator[Property]:
     heard, offset = whole.composition.of(whole.source.machine), whole.config.reflector.radar_offset_mm
     shown = [heard.bool(_shows(whole, slot)) for slot in whole.source.own.slots]
     away, error, model = (into.num(one) for one in (own.sighting_range.value, own.sighting_error, own.sighting_model))
-    same: list[Bool] = []
+    by_own_track, same = into.bool(own.sighting_by_own_track), list[Bool]()
     for number, slot in enumerate(whole.source.own.slots):
         range_, own_error, shows = (heard.num(one) for one in (slot.range.value, slot.error, slot.model))
         told = all_of([
             away + offset - range_ <= 0, range_ - away <= offset, model.eq(shows),
             error - own_error <= whole.config.sighting_error_mm, own_error - error <= -whole.config.sighting_error_mm,
+            by_own_track.iff(_stands_by_own_track(whole, slot)),
         ])  # fmt: skip
         same.append(all_of([shown[number], *(~one for one in shown[:number])]).implies(told))
     yield for_all_inputs(
         "a sighting is an echo that the reflector machine hears",
-        all_of([into.bool(own.sighting_range.present).iff(any_of(shown)), any_of(shown) | model.eq(NO_MODEL), *same]),
+        all_of(
+            [
+                into.bool(own.sighting_range.present).iff(any_of(shown)),
+                any_of(shown) | (model.eq(NO_MODEL) & ~by_own_track),
+                *same,
+            ]
+        ),
         statement="the route machine hears, of the frame that the reflector machine hears, the first echo with the minimum intensity that shows a "
-        "model: that model, the range from the front end, and the echo's error with the configured one; and nothing else",
+        "model: that model, the range from the front end, the echo's error with the configured one, and whether it is near and stands on the own "
+        "track's side; and nothing else",
         requirements=("RFL-D6", "RFL-10"),
     )
 
@@ -288,6 +318,14 @@ def _shows(whole: ReflectorRoute, slot: Slot) -> Bool:
     return ~any_of(
         [~whole.source.own.frame_present, ~slot.range.present, weak, slot.model.eq(NO_MODEL), behind, coarse]
     )
+
+
+def _stands_by_own_track(whole: ReflectorRoute, slot: Slot) -> Bool:
+    """The echo is near, and comes from between the two sides at which reflectors of the own track stand."""
+    heard, figures = whole.composition.of(whole.source.machine), whole.config
+    near = heard.num(slot.range.value) <= figures.own_track_range_mm
+    aside = heard.num(slot.lateral)
+    return all_of([near, aside >= figures.own_track_right_mm, aside <= figures.own_track_left_mm])
 
 
 def _courses(whole: ReflectorRoute) -> Iterator[Property]:

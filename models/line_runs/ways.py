@@ -144,7 +144,8 @@ def reflector_route(
         for met, group in balise_groups(route)
     )
     own = tuple(_reflector(one, place, clear) for place, one in reflectors(route))
-    return ReflectorRoute(balises, own, beside=tuple(_beside(route, walk)))
+    others = tuple(Reflector(place, one.model, one.view_from_mm, one.view_to_mm) for place, one in _beside(route, walk))
+    return ReflectorRoute(balises, own, beside=others)
 
 
 def _search_from(met: Met, group: elements.BaliseGroup, antenna_mm: int) -> int | None:
@@ -157,15 +158,21 @@ def _reflector(one: elements.Reflector, place_mm: int, clear: Mapping[str, int])
     return Reflector(place_mm, one.model, one.view_from_mm, one.view_to_mm, clear[one.id])
 
 
-def _beside(route: Route, walk: Walk) -> Iterator[Reflector]:
+def _beside(route: Route, walk: Walk) -> list[tuple[int, elements.Reflector]]:
     """Return the reflectors of the other branches of the route's switches, at their places along the route; each once."""
     own = {one.id for _, one in reflectors(route)}
     seen: dict[str, tuple[int, elements.Reflector]] = {}
     for place, one in _on_other_branches(route, walk):
         if one.id not in own and one.model in MODELS and one.id not in seen:
             seen[one.id] = (place, one)
-    for place, one in seen.values():
-        yield Reflector(place, one.model, one.view_from_mm, one.view_to_mm)
+    return list(seen.values())
+
+
+def seen_beside(route: Route, rivals: Sequence[Route], walk: Walk) -> list[tuple[int, elements.Reflector]]:
+    """Return the reflectors of other branches that are seen from the route, or from a rival that may share its track; each once."""
+    own = {one.id for _, one in reflectors(route)}
+    found = {one.id: (place, one) for rival in (*reversed(rivals), route) for place, one in _beside(rival, walk)}
+    return [placed for name, placed in found.items() if name not in own]
 
 
 def _on_other_branches(route: Route, walk: Walk) -> Iterator[tuple[int, elements.Reflector]]:

@@ -130,6 +130,7 @@ def _seen_by_route(frame: Radar, course: TurnOff, branch: Route) -> dict[Var, Ex
         **present(own.sighting_range, frame.sighted, frame.range),
         own.sighting_error: frame.error,
         own.sighting_model: frame.model,
+        own.sighting_by_own_track: frame.by_own_track,
         own.course_taken: course.machine.output("course"),
         own.ghosts.course: course.own.true_course,
     }

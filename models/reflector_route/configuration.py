@@ -22,6 +22,15 @@ class ReflectorRouteConfig(AnchoredConfig):
     sighting_error_mm: int = quantity(
         10_000, "mm", 0, 50_000, "[D] beyond an echo's own error: the radar's systematic error, 2.3 m run in its latency, survey"
     )  # fmt: skip
+    own_track_range_mm: int = quantity(
+        20_000, "mm", 0, 300_000, "[D] as near as that a curve of 300 m moves an image by 0.7 m; 0: no echo is told to be by the own track"
+    )  # fmt: skip
+    own_track_right_mm: int = quantity(
+        -4_000, "mm", -50_000, 50_000, "[D] reflectors stand 2.5 m to the right of the axis, less curve and radar; left is positive"
+    )  # fmt: skip
+    own_track_left_mm: int = quantity(
+        -1_000, "mm", -50_000, 50_000, "[D] as own_track_right_mm; those of a track 4 m away stand beyond, on either side"
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _one_vehicle(self) -> ReflectorRouteConfig:
@@ -52,6 +61,15 @@ class ReflectorRouteConfig(AnchoredConfig):
                         f"{name}.{figure} is {getattr(config, figure)}, but the vehicle's is {value} (motion, reflector); make "
                         "them the same."
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _own_side(self) -> ReflectorRouteConfig:
+        if self.own_track_right_mm > self.own_track_left_mm:
+            raise ValueError(
+                f"own_track_right_mm {self.own_track_right_mm} is to the left of own_track_left_mm {self.own_track_left_mm}: no image would "
+                "stand by the own track; exchange them, or set own_track_range_mm to 0."
+            )
         return self
 
     @property

@@ -1,7 +1,8 @@
 """The radar's frame as the route machine hears it: of its echoes, the one that is a sighting.
 
 A sighting is the first echo with the minimum intensity that shows a reflector's model, of whatever reflector it is: the reflector machine, which hears the
-same frame, measures the map's next one only, and stands behind the route, whose contradiction it hears.
+same frame, measures the map's next one only, and stands behind the route, whose contradiction it hears. Whether it stands by the own track is told by its
+place beside the vehicle's axis, near the vehicle: there the reflectors of the own line stand, and none of another track.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
 from safeloc.language.expr import (
+    FALSE,
     TRUE,
     Bool,
     BoolVar,
@@ -20,9 +22,11 @@ from safeloc.language.expr import (
     all_of,
     any_of,
     as_num,
+    between,
     boolean,
     choice,
     enumeration,
+    ite,
     number,
 )
 from safeloc.language.machine import Machine, Transition, modes
@@ -46,6 +50,7 @@ class Radar:
     range    distance from the front end to the sighted reflector, mm
     error    the greatest error of that distance, mm: the echo's own, and what the configuration adds
     model    the model that it shows
+    by_own_track  it is near, and stands where reflectors of the own track stand
     """
 
     machine: Machine
@@ -55,6 +60,7 @@ class Radar:
     range: NumVar
     error: NumVar
     model: NumVar
+    by_own_track: BoolVar
 
 
 def radar(config: ReflectorRouteConfig, heard: Parts) -> Radar:
@@ -68,9 +74,14 @@ def radar(config: ReflectorRouteConfig, heard: Parts) -> Radar:
     away = declared.state(number("sighting_range_mm", MM, 0, config.reflector.range_limit_mm), first=0)
     error = declared.state(number("sighting_error_mm", MM, 0, MAX_ERROR_MM), first=0)
     model = declared.state(choice("sighting_model", enumeration(MODEL)), first=NO_MODEL)
+    by_own_track = declared.state(boolean("sighting_by_own_track"), first=False)
     frame = _Frame(config, heard)
-    outputs: dict[str, Expr] = {"sighted": sighted, "range_mm": away, "error_mm": error, "model": model}
-    seen: Updates = {sighted: frame.sighted, away: frame.range, error: frame.error, model: frame.model}
+    outputs: dict[str, Expr] = {
+        "sighted": sighted, "range_mm": away, "error_mm": error, "model": model, "by_own_track": by_own_track,
+    }  # fmt: skip
+    seen: Updates = {
+        sighted: frame.sighted, away: frame.range, error: frame.error, model: frame.model, by_own_track: frame.by_own_track,
+    }  # fmt: skip
     made = declared.machine(
         name=NAME,
         modes=table,
@@ -82,7 +93,7 @@ def radar(config: ReflectorRouteConfig, heard: Parts) -> Radar:
         doc="The sighting of the cycle, of the radar's frame. Nothing is assumed here.",
     )
     shared = (heard.frame_present, *(var for slot in heard.slots for var in _inputs(slot)))
-    return Radar(made, heard.slots, shared, sighted, away, error, model)
+    return Radar(made, heard.slots, shared, sighted, away, error, model, by_own_track)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +119,13 @@ class _Frame:
     def model(self) -> Num:
         return self._of_sighting([slot.model for slot in self.heard.slots], NO_MODEL)
 
+    @property
+    def by_own_track(self) -> Bool:
+        found: Bool = FALSE
+        for slot in reversed(self.heard.slots):
+            found = ite(self._is_sighting(slot), self._is_by_own_track(slot), found)
+        return found
+
     def _of_sighting(self, values: list[Num], default: Num) -> Num:
         shown = [self._is_sighting(slot) for slot in self.heard.slots]
         return first_of(*zip(shown, values, strict=True), default=default)
@@ -122,6 +140,11 @@ class _Frame:
             slot.range.value >= max(self.config.reflector.near_range_mm, self.config.reflector.radar_offset_mm),
             self._error(slot) <= MAX_ERROR_MM,
         ])  # fmt: skip
+
+    def _is_by_own_track(self, slot: Slot) -> Bool:
+        """Return whether the echo comes from where reflectors of the own track stand, and from near enough to tell."""
+        right, left = self.config.own_track_right_mm, self.config.own_track_left_mm
+        return between(right, slot.lateral, left) & (slot.range.value <= self.config.own_track_range_mm)
 
     def _ahead(self, slot: Slot) -> Num:
         return slot.range.value - self.config.reflector.radar_offset_mm

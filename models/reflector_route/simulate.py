@@ -135,9 +135,10 @@ class _Run:
         """Return the map's answer to a sighting, the courses, the authority, and the ghosts of the sighted reflector."""
         place, routes = self._begun
         taken = routes[-1] if routes else 1
-        answer: dict[str, Cell] = {"authorised_route": taken, "start_route": taken}
+        answer: dict[str, Cell] = {"authorised_route": taken, "start_route": taken, "sighted_elsewhere": False}
         for one in range(1, self._config.route.routes + 1):
             answer |= {f"route_{one}_model": "NONE", f"route_{one}_course": self._course.courses.get(one, "UNDECIDED")}
+            answer[f"route_{one}_other_in_view"] = False
         sighted = self._sighting(driven)
         if sighted is None:
             return answer | {"sighted_place_nm": 0, "sighted_model": "NONE"}

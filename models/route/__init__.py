@@ -2,7 +2,8 @@
 
 From a common start (a balise with known direction) a vehicle may run along one of several routes through switches.
 Each route is a hypothesis with an interval of its own. A sighting refutes it if the route has no reflector of that model
-where the vehicle would see it, a turn refutes it if the route does not take that turn. A sequence of models alone never
+where the vehicle would see it, and the map has none beside another track in view from there; a turn refutes it if the route
+does not take that turn. A sighting whose image stands near and on the own track's side is none of another track's. A sequence of models alone never
 decides: DCD is the end of ADCD, and ADCD with one reflector missed is ACD. A reflector that was NOT seen therefore
 refutes nothing.
 
@@ -78,7 +79,8 @@ def build(own: Parts) -> Route:
         doc=(
             "The routes on which the vehicle may be, each with its interval. Assumed: at a start the true route is among the "
             "candidates, and the vehicle is within the start's error; the odometer obeys its error law; each sighting is of a "
-            "reflector beside the true route, with its range and model, and the map names that reflector for the route "
+            "reflector beside the true route, with its range and model, and the map names that reflector for the route; or it is of one "
+            "beside another track, which the map has in view, and whose image does not stand by the own track "
             "(layout rule: places of one model differ by more than all errors); the vehicle took a turn that was seen. Nothing "
             "is assumed of reflectors and turns that were not seen."
         ),

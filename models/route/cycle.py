@@ -48,6 +48,16 @@ class Cycle:
         return self.own.sighting_range.present & self.own.sighting_model.ne(NO_MODEL)
 
     @property
+    def doubtful(self) -> Bool:
+        """The sighted reflector may stand beside another track: it tells nothing of this route."""
+        return self.route.other_in_view & ~self.own.sighting_by_own_track
+
+    @property
+    def tells(self) -> Bool:
+        """A reflector is sighted that tells of this route: it is the own one, or the vehicle runs elsewhere."""
+        return self.seen & ~self.doubtful
+
+    @property
     def sighted(self) -> tuple[Num, Num]:
         """Bounds by the sighted reflector, nm: its place on the route less the measured range, with the error of the range."""
         place = exact_to(self.route.reflector.value - self.own.sighting_range.value, NM)
@@ -56,7 +66,7 @@ class Cycle:
 
     @property
     def has_it(self) -> Bool:
-        """The route has a reflector of the sighted model where the vehicle would see it."""
+        """The route has a reflector of its own, of the sighted model, where the vehicle would see it."""
         (low, high), (first, last) = self.moved, self.sighted
         right = self.route.reflector.present & self.route.model.eq(self.own.sighting_model)
         return right & (first <= high) & (low <= last)
@@ -70,7 +80,7 @@ class Cycle:
     @property
     def fits(self) -> Bool:
         """The reflector and the turn that the vehicle sees in this cycle are possible on the route."""
-        return (~self.seen | self.has_it) & self.turns_so
+        return (~self.tells | self.has_it) & self.turns_so
 
     @property
     def spread(self) -> Num:
@@ -79,14 +89,14 @@ class Cycle:
 
     @property
     def after(self) -> Bounded:
-        """The hypothesis after the cycle: run on and narrowed by a sighting, or set to the start."""
+        """The hypothesis after the cycle: run on and narrowed by a sighting that tells of it, or set to the start."""
         (low, high), (first, last) = self.moved, self.sighted
         begun = self.own.start_error.present
         return Bounded(
             self.own,
             ite(begun, self.route.candidate, self.route.possible & self.fits),
-            ite(begun, -self.spread, ite(self.seen, maximum(low, first), low)),
-            ite(begun, self.spread, ite(self.seen, minimum(high, last), high)),
+            ite(begun, -self.spread, ite(self.tells, maximum(low, first), low)),
+            ite(begun, self.spread, ite(self.tells, minimum(high, last), high)),
         )
 
 

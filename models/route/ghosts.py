@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
-from safeloc.language.expr import NumVar, choice, enumeration, number
+from safeloc.language.expr import BoolVar, NumVar, boolean, choice, enumeration, number
 from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, NM, NM_PER_MM
 from safeloc.models.turn_off import COURSE
@@ -23,7 +23,9 @@ class Ghosts:
     wander, next_wander  the one-off part of the odometer's error: before the cycle and, freely chosen, after it
     last_delivered, silent  the last distance delivered that a vehicle can have run, mm, and the cycles since then; where another machine
                          checked the distance, no part of the world
-    sighted_place, model       place along the route and model of the reflector that is sighted in this cycle
+    sighted_place, model       place along the route and model of the reflector that is sighted in this cycle; beside another track
+                         its place is of no matter
+    elsewhere            the reflector that is sighted stands beside another track than the true route
     course               the course that the vehicle takes at the switch at which a turn may be seen
     """
 
@@ -38,6 +40,7 @@ class Ghosts:
     silent: NumVar
     sighted_place: NumVar
     model: NumVar
+    elsewhere: BoolVar
     course: NumVar
 
 
@@ -93,5 +96,6 @@ def ghosts(declared: Declared, bounds: Bounds, moving: Moved) -> Ghosts:
         start_route=declared.choice(number("start_route", COUNT, 1, bounds.routes)),
         sighted_place=declared.choice(number("sighted_place_nm", NM, 0, bounds.reflectors_mm * NM_PER_MM)),
         model=declared.choice(choice("sighted_model", enumeration(MODEL))),
+        elsewhere=declared.choice(boolean("sighted_elsewhere")),
         course=declared.choice(choice("true_course", enumeration(COURSE))),
     )

@@ -6,7 +6,7 @@ A stream contains the ghosts: the interpreter checks on it that the assumption h
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -28,11 +28,15 @@ from safeloc.simulation.motion import Leg, Motion, VehicleConfig, move
 from safeloc.simulation.sensors import Distances, measure
 
 Steps = list[dict[str, Cell]]
+_BY_OWN_TRACK_MM = 20_000
+"""Farthest range at which the lateral place of an image tells that the reflector stands by the own track."""
+_GATE_MM = 10_000
+"""How much farther than its error a sighting may lie from the interval before the cycle: what is run, and what a lateral distance adds."""
 
 
 @dataclass(frozen=True)
 class Sight:
-    """A reflector on a way: its distance from the common start, and the view zone before it, mm."""
+    """A reflector on a way, or seen from it: its distance from the common start, and the view zone before it, mm."""
 
     identity: str
     place_mm: int
@@ -43,36 +47,48 @@ class Sight:
 
 @dataclass(frozen=True)
 class Way:
-    """One of the routes: its number in the machine and the reflectors along it, in order."""
+    """One of the routes: its number in the machine, the reflectors along it, in order, and those beside other tracks that are seen from it."""
 
     number: int
     sights: tuple[Sight, ...]
+    beside: tuple[Sight, ...] = ()
 
     def nearest(self, model: str, expected_mm: float) -> Sight | None:
         """Return the reflector of a model that is nearest to a place; None if the way has none of that model."""
         fitting = [sight for sight in self.sights if sight.model == model]
         return min(fitting, key=lambda sight: abs(sight.place_mm - expected_mm), default=None)
 
+    def others(self, model: str, low_mm: int, high_mm: int) -> bool:
+        """Return whether a reflector of a model that stands beside another track would be between two places of the way."""
+        return any(sight.model == model and low_mm <= sight.place_mm <= high_mm for sight in self.beside)
 
-def way(number: int, route: Route) -> Way:
-    """Return a route of a line as a way; its start is the common start."""
+
+def way(number: int, route: Route, beside: Iterable[tuple[int, Reflector]] = ()) -> Way:
+    """Return a route of a line as a way; its start is the common start. `beside`: reflectors of other branches, with their places."""
     seen = [(met.position_mm, met.element) for met in route.objects() if isinstance(met.element, Reflector)]
-    sights = [Sight(one.id, place, one.model, one.view_from_mm, one.view_to_mm) for place, one in seen]
-    return Way(number, tuple(sights))
+    return Way(number, tuple(_sights(seen)), tuple(_sights(beside)))
+
+
+def _sights(found: Iterable[tuple[int, Reflector]]) -> Iterator[Sight]:
+    for place, one in found:
+        yield Sight(one.id, place, one.model, one.view_from_mm, one.view_to_mm)
 
 
 def answers(ways: Sequence[Way], carried: Mapping[str, Value], sighting: Mapping[str, Cell]) -> dict[str, Cell]:
-    """Return the map's inputs for a sighting: for each route, the reflector of that model nearest to the sighted place.
+    """Return the map's inputs for a sighting: for each route, its nearest reflector of that model, and whether others are in view.
 
     carried   the machine's outputs, with the interval of every route; while none is possible, the map returns nothing
     """
     possible = any(carried[f"route_{one.number}_possible"] for one in ways)
     if "sighting_range_mm" not in sighting or not possible:
         return {}
+    model, away = str(sighting["sighting_model"]), int(sighting["sighting_range_mm"])
+    gate = int(sighting["sighting_error_mm"]) + _GATE_MM
     inputs: dict[str, Cell] = {}
     for one in ways:
         low, high = (int(carried[f"route_{one.number}_{end}_mm"]) for end in ("low", "high"))
-        found = one.nearest(str(sighting["sighting_model"]), (low + high) / 2 + int(sighting["sighting_range_mm"]))
+        found = one.nearest(model, (low + high) / 2 + away)
+        inputs[f"route_{one.number}_other_in_view"] = one.others(model, low + away - gate, high + away + gate)
         if found is not None:
             inputs |= {f"route_{one.number}_reflector_mm": found.place_mm, f"route_{one.number}_model": found.model}
     return inputs
@@ -80,10 +96,12 @@ def answers(ways: Sequence[Way], carried: Mapping[str, Value], sighting: Mapping
 
 def quiet(config: RouteConfig) -> dict[str, Cell]:
     """Return the inputs of a cycle with no sighting, no turn, no start and no known authority."""
-    inputs: dict[str, Cell] = {"sighting_error_mm": 0, "sighting_model": "NONE", "course_taken": "UNDECIDED"}
+    inputs: dict[str, Cell] = {"sighting_error_mm": 0, "sighting_model": "NONE", "sighting_by_own_track": False}
+    inputs["course_taken"] = "UNDECIDED"
     for number in range(1, config.routes + 1):
         name = f"route_{number}"
         inputs |= {f"{name}_candidate": False, f"{name}_model": "NONE", f"{name}_course": "UNDECIDED"}
+        inputs[f"{name}_other_in_view"] = False
     return {**inputs, "authorised_route": 0}
 
 
@@ -144,7 +162,7 @@ class _Run:
         self._ways, self._true, self._motion, self._distances, self._rng = ways, true, motion, distances, rng
         self._start_error_mm, self._radar_error_mm = start_error_mm, radar_error_mm
         self._missed, self._misread, self._wander = missed, misread, 0
-        self._in_sight: dict[str, Cell] = {"sighted_place_nm": 0, "sighted_model": "NONE"}
+        self._in_sight: dict[str, Cell] = {"sighted_place_nm": 0, "sighted_model": "NONE", "sighted_elsewhere": False}
         self._offset = int(rng.uniform(-0.9, 0.9) * start_error_mm) * NM_PER_MM - motion.start_nm
         self._board: Compiled = _on_board(config.model_dump_json())
         self._state = self._board.first()
@@ -171,19 +189,23 @@ class _Run:
         return {**inputs, **self._ghosts(int(self._motion.distance_nm[number]), truth)}
 
     def _sighting(self, truth_nm: int) -> dict[str, Cell]:
-        """Return the sighting of the nearest reflector in view, unless that one is missed."""
-        ahead = [(sight.place_mm * NM_PER_MM - truth_nm, sight) for sight in self._true.sights]
+        """Return the sighting of the nearest reflector in view, beside whichever track, unless that one is missed."""
+        every = (*self._true.sights, *self._true.beside)
+        ahead = [(sight.place_mm * NM_PER_MM - truth_nm, sight) for sight in every]
         seen = [(away, sight) for away, sight in ahead if sight.view_to_mm <= away / NM_PER_MM <= sight.view_from_mm]
         if not seen or min(seen, key=lambda one: one[0])[1].identity in self._missed:
             return {}
         away, sight = min(seen, key=lambda one: one[0])
         measured = round(away / NM_PER_MM + self._rng.uniform(-0.9, 0.9) * self._radar_error_mm)
         model = self._misread.get(sight.identity, sight.model)
-        self._in_sight = {"sighted_place_nm": sight.place_mm * NM_PER_MM, "sighted_model": sight.model}
+        own = sight in self._true.sights
+        place = sight.place_mm * NM_PER_MM if own else 0
+        self._in_sight = {"sighted_place_nm": place, "sighted_model": sight.model, "sighted_elsewhere": not own}
         return {
             "sighting_range_mm": max(measured, 0),
             "sighting_error_mm": self._radar_error_mm,
             "sighting_model": model,
+            "sighting_by_own_track": own and away <= _BY_OWN_TRACK_MM * NM_PER_MM,
         }
 
     def _take(self, inputs: Mapping[str, Cell]) -> None:

@@ -75,10 +75,12 @@ class Hypothesis:
 
     low, high   bounds of the true distance less the present wander of the odometer's error, nm
     candidate   input, from the map: this route begins at the start
-    reflector   input, from the map: place on this route of the reflector of the sighted model that is nearest to the
+    reflector   input, from the map: place on this route of its own reflector of the sighted model that is nearest to the
                 place where the sighting would put it, mm from the start
     model       input, from the map: that reflector's model
     course      input, from the map: the course of this route at the switch at which a turn was seen
+    other_in_view   input, from the map: a reflector of the sighted model that stands beside another track may be in view from this
+                route, where the sighting would put it
     """
 
     number: int
@@ -89,6 +91,7 @@ class Hypothesis:
     reflector: Optional
     model: NumVar
     course: NumVar
+    other_in_view: BoolVar
 
 
 class Parts:
@@ -96,6 +99,7 @@ class Parts:
 
     start_error           input: how far the vehicle may be from the common start, mm; absent unless it starts in this cycle
     sighting_range        input: range of a reflector that is recognised in this cycle, mm, with its error and model
+    sighting_by_own_track  input: the image stands where reflectors of the own track stand, and none of another track: near, and on its side
     course_taken          input: course taken at a switch, if a turn was seen
     authorised_route      input: number of the route by movement authority; 0: unknown
     refuted         1: the route by movement authority is impossible
@@ -110,6 +114,7 @@ class Parts:
         self.sighting_range = declared.sensor(optional("sighting_range_mm", MM, 0, config.range_limit_mm))
         self.sighting_error = declared.sensor(number("sighting_error_mm", MM, 0, MAX_ERROR_MM))
         self.sighting_model = declared.sensor(choice("sighting_model", enumeration(MODEL)))
+        self.sighting_by_own_track = declared.sensor(boolean("sighting_by_own_track"))
         self.refuted = declared.state(number("authority_refuted", COUNT, 0, 1), first=0)
         self.reason = declared.state(choice("reason", enumeration(REASON)), first=NO_START)
         self.routes = tuple(_hypothesis(declared, number_, config) for number_ in range(1, config.routes + 1))
@@ -145,4 +150,5 @@ def _hypothesis(declared: Declared, number_: int, config: RouteConfig) -> Hypoth
         declared.sensor(optional(f"{name}_reflector_mm", MM, 0, farthest)),
         declared.sensor(choice(f"{name}_model", enumeration(MODEL))),
         declared.sensor(choice(f"{name}_course", enumeration(COURSE))),
+        declared.sensor(boolean(f"{name}_other_in_view")),
     )

@@ -2,9 +2,10 @@
 
     odometer   delivers a distance that obeys its error law, or one that no vehicle can have run, or nothing
     start      gives the greatest distance from the common start, and the routes that begin there, if there are any
-    reflector  is sighted at its range within the error, and shows its own model, or no known one
+    reflector  is sighted at its range within the error, and shows its own model, or no known one; it stands beside the true route, or
+               beside another track, but then not where the image of the own track's reflectors stands
     turn       that is seen is the one that the vehicle takes
-    map        has, for the true route, the sighted reflector and the course at the switch
+    map        has, for the true route, the sighted reflector, its own or another track's in view, and the course at the switch
 
 Nothing is assumed of reflectors and turns that are not seen, nor of the map's entries for the other routes.
 """
@@ -61,7 +62,8 @@ def world(own: Parts) -> World:
             "the start names the true route": _named_law(own),
             "a reflector is sighted at its range": _range_law(own),
             "a recognised model is the sighted reflector's": _model_law(own),
-            "the map has the sighted reflector on the true route": _map_law(own),
+            "by the own track stands no reflector of another": _own_track_law(own),
+            "the map has the sighted reflector in view of the true route": _map_law(own),
             TAKEN: seen_course_law(own.course_taken, seen.course),
             "the map has the course of the true route": _course_law(own),
         },
@@ -180,8 +182,9 @@ def _range_law(own: Parts) -> Law:
     error, origin = exact_to(own.sighting_error, NM), own.ghosts.sighted_place
     too_near = origin - _after(own) - exact_to(own.sighting_range.value, NM)
     return Law(
-        _sighted(own, between(-error, too_near, error)),
-        "The range of a sighting is the distance from end A to the reflector, within the error reported with the sighting.",
+        _sighted(own, own.ghosts.elsewhere | between(-error, too_near, error)),
+        "The range of a sighting of a reflector beside the true route is the distance from end A to that reflector, within the error "
+        "reported with the sighting. Of a reflector beside another track nothing is assumed.",
         ("range_limit_mm",),
         "[M] FMCW radar, interpolated to centimetres",
         "supplier",
@@ -192,19 +195,32 @@ def _range_law(own: Parts) -> Law:
 def _model_law(own: Parts) -> Law:
     return Law(
         _sighted(own, own.ghosts.model.eq(own.sighting_model)),
-        "A sighting is of a reflector beside the route on which the vehicle runs, and the recognised model is that reflector's.",
+        "A sighting is of a reflector, beside the route on which the vehicle runs or beside another track, and the recognised model is "
+        "that reflector's.",
         source="[M] signatures told apart, source l. 161 and 237",
         owner="supplier",
         check="type test of the signatures; a contradiction is reported",
     )
 
 
+def _own_track_law(own: Parts) -> Law:
+    return Law(
+        _sighted(own, own.sighting_by_own_track.implies(~own.ghosts.elsewhere)),
+        "Where the image of a reflector of the own track stands, near the vehicle and on its side, none of another track stands: a "
+        "sighting that is told to be by the own track is of a reflector beside the true route.",
+        source="[D] reflectors of branch and straight line told apart clearly, source l. 277; their lateral places",
+        owner="infrastructure",
+        check="survey: the lateral place of every reflector, seen from each track in whose view it stands",
+    )
+
+
 def _map_law(own: Parts) -> Law:
-    nothing_read = all_of(~one.reflector.present for one in own.routes)
+    nothing_read = all_of(~one.reflector.present & ~one.other_in_view for one in own.routes)
     return Law(
         nothing_read | _sighted(own, all_of(_of_true(own, one, _names_it(own, one)) for one in own.routes)),
-        "While a route is possible, the map is looked up for every sighting. It returns, for each route, the reflector of that "
-        "model nearest to the place where the vehicle would see it. If it returns any, then for the true route the sighted one, "
+        "While a route is possible, the map is looked up for every sighting. It returns, for each route, its own reflector of that "
+        "model nearest to the place where the vehicle would see it, and whether one of that model beside another track may be in view "
+        "there. If it returns any, then for the true route the sighted one, or that it is another track's, "
         "since reflectors of one model stand farther apart than all errors.",
         ("tolerance_mm",),
         "[D] the map is looked up around the reported interval; layout rule: models told apart by distance",
@@ -218,9 +234,10 @@ def _of_true(own: Parts, route: Hypothesis, law: Bool) -> Bool:
 
 
 def _names_it(own: Parts, route: Hypothesis) -> Bool:
-    """Return whether the map names the sighted reflector for this route."""
+    """Return whether the map names the sighted reflector for this route, or says that another track's may be in view."""
     seen, nearest = own.ghosts, route.reflector
-    return all_of([seen.model.eq(route.model), nearest.present, seen.sighted_place.eq(exact_to(nearest.value, NM))])
+    its_own = all_of([seen.model.eq(route.model), nearest.present, seen.sighted_place.eq(exact_to(nearest.value, NM))])
+    return ite(seen.elsewhere, route.other_in_view, its_own)
 
 
 def _course_law(own: Parts) -> Law:

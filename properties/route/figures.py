@@ -16,7 +16,8 @@ from safeloc.models.vocabulary.reflectors import NO_MODEL
 LAW = (
     "the true route is among the candidates at the start, and the vehicle is within the start's error; the odometer keeps its "
     "error law; a sighted reflector stands beside the true route at the sighted range, with the recognised model, and the map "
-    "names it there; the vehicle takes a turn that is seen"
+    "names it there, or beside another track that the map has in view, and not where the own track's image stands; the vehicle takes "
+    "a turn that is seen"
 )
 REQUIREMENTS = ("RFL-D6",)
 
@@ -93,6 +94,12 @@ class CycleEvidence:
     def unseen(self) -> Bool:
         """The vehicle sighted no reflector of a known model."""
         return ~self.own.sighting_range.present | self.own.sighting_model.eq(NO_MODEL)
+
+    @property
+    def silent(self) -> Bool:
+        """Return whether no reflector of a known model was sighted, or one that may stand beside another track."""
+        elsewhere = all_of([self.route.other_in_view, ~self.own.sighting_by_own_track])
+        return self.unseen | elsewhere
 
     @property
     def never_there(self) -> Bool:

@@ -36,14 +36,16 @@ def _possible(model: Route, evidence: CycleEvidence) -> Iterator[Property]:
     given_up = evidence.went_on & ~route.possible & carried(model)
     yield for_all_inputs(
         f"route {route.number} is refuted only by what is seen",
-        given_up.implies(evidence.turned_away | (evidence.never_there & ~evidence.unseen)),
-        statement="a route is given up only for a sighted reflector that it does not have at that place, or a turn that it does "
+        given_up.implies(evidence.turned_away | (evidence.never_there & ~evidence.silent)),
+        statement="a route is given up only for a sighted reflector that it does not have at that place and that cannot be another "
+        "track's in view, or a turn that it does "
         "not take; a reflector that is not seen refutes nothing",
     )
     yield for_all_inputs(
         f"route {route.number} is given up where a reflector is sighted that it does not have",
-        (evidence.went_on & evidence.never_there).implies(evidence.unseen | ~route.possible),
-        statement="a sighting refutes a route that has no reflector of that model where the vehicle would see it",
+        (evidence.went_on & evidence.never_there).implies(evidence.silent | ~route.possible),
+        statement="a sighting refutes a route that has no reflector of that model where the vehicle would see it, unless the map has "
+        "another track's in view and the image does not stand by the own track",
     )
     yield for_all_inputs(
         f"route {route.number} is given up for a turn that it does not take",
@@ -57,16 +59,17 @@ def _interval(own: Parts, route: Hypothesis, evidence: CycleEvidence) -> Iterato
     (least, most), before = ran(own), evidence.high - evidence.low
     yield for_all_inputs(
         f"route {route.number} narrows only by a sighting",
-        (kept & evidence.unseen).implies(width >= before),
-        statement="without a recognised reflector no interval narrows",
+        (kept & evidence.silent).implies(width >= before),
+        statement="without a recognised reflector, or with one that may be another track's, no interval narrows",
     )
     yield for_all_inputs(
         f"route {route.number} is where its reflector is sighted",
         kept.implies(
-            evidence.unseen
+            evidence.silent
             | ((evidence.place - route.low <= evidence.slack) & (route.high - evidence.place <= evidence.slack))
         ),
-        statement="after a sighting the interval lies within the sighting's error of the reflector's place less the range",
+        statement="after a sighting that cannot be of another track's reflector the interval lies within the sighting's error of the "
+        "reflector's place less the range",
     )
     yield for_all_inputs(
         f"route {route.number} widens only by what was run",

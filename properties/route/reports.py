@@ -13,6 +13,7 @@ from safeloc.models.route import Route
 from safeloc.models.route.variables import NO_REASON, SENSOR_FAILURE, TOLERANCE, Hypothesis, Parts
 from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.measured import ADMITTED
+from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.no_interval import no_interval
 from safeloc.properties.route.figures import REQUIREMENTS, CycleEvidence, bounds, carried, ran
 
@@ -143,7 +144,7 @@ def _authority(model: Route) -> Iterator[Property]:
 
 
 def reached(model: Route) -> Iterator[Property]:
-    """Yield, for each route, that it can be decided."""
+    """Yield, for each route, that it can be decided; and that the world has reflectors of other tracks."""
     for route in model.own.routes:
         yield reachable(
             f"route {route.number} is decided after others were possible",
@@ -151,3 +152,11 @@ def reached(model: Route) -> Iterator[Property]:
             statement="sightings can distinguish the route from the others",
             requirements=REQUIREMENTS,
         )
+    own, first = model.own, model.own.routes[0]
+    foreign = all_of([own.ghosts.elsewhere, own.sighting_range.present, own.sighting_model.ne(NO_MODEL)])
+    yield reachable(
+        "another track's reflector is sighted on route 1",
+        all_of([foreign, own.ghosts.route.eq(first.number), first.possible, ~own.start_error.present]),
+        statement="the world has reflectors of other tracks in view: such a sighting leaves the route on which the vehicle runs possible",
+        requirements=REQUIREMENTS,
+    )

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from safeloc.language.expr import FALSE, any_of, as_num, ite, minimum
+from safeloc.language.expr import FALSE, TRUE, any_of, as_num, between, ite, minimum
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models import reflector_route
 from safeloc.models.reflector.world import PRESCRIBED, READING
@@ -161,6 +161,24 @@ def _nothing_sighted(whole: ReflectorRoute, _: Wires) -> Wires:
     return {own.sighting_range.present: FALSE, own.sighting_range.value: as_num(0, MM), own.sighting_model: NO_MODEL}
 
 
+def _all_by_own_track(whole: ReflectorRoute, _: Wires) -> Wires:
+    """Every sighting is taken for one of the own track's reflector, wherever it stands."""
+    return {whole.route.own.sighting_by_own_track: TRUE}
+
+
+def _none_by_own_track(whole: ReflectorRoute, _: Wires) -> Wires:
+    """The lateral place of no image is asked, so that a branch with others in view is never given up."""
+    return {whole.route.own.sighting_by_own_track: FALSE}
+
+
+def _far_by_own_track(whole: ReflectorRoute, right: Wires) -> Wires:
+    """The side alone tells, from any range."""
+    figures, slots = whole.config, whole.radar.slots
+    aside = any_of(between(figures.own_track_right_mm, one.lateral, figures.own_track_left_mm) for one in slots)
+    own = whole.route.own.sighting_by_own_track
+    return {own: flag(right[own]) | (whole.radar.sighted & aside)}
+
+
 _LOST, _START = "a lost route withdraws the position", "a route begins at every accepted group that is a start"
 _SIGHTING = "a sighting is an echo that the reflector machine hears"
 _NOTHING_ELSE = "route, course and groups contradict, and nothing else"
@@ -183,6 +201,9 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "weak echoes are sightings": (_weak_echoes, _SIGHTING),
     "the echo's error alone": (_error_of_the_echo, _SIGHTING),
     "nothing is sighted": (_nothing_sighted, _SIGHTING),
+    "every sighting by the own track": (_all_by_own_track, "another track's reflector in view leaves the branch"),
+    "no sighting by the own track": (_none_by_own_track, _SIGHTING),
+    "far sightings by the own track": (_far_by_own_track, "another track's reflector in view leaves the branch"),
     "every cycle a reference": (always_a_reference, "only an accepted group or a reflector ends a loss"),
     "the balise's interval for the host": (balise_for_the_host, "the host gets the reflector machine's interval"),
 }
@@ -282,6 +303,10 @@ def test_recordings_are_what_the_simulation_writes(tmp_path: Path) -> None:
     ("changed", "message"),
     [
         ({"route": RouteConfig()}, r"route\.routes is 5: no more than 4 are carried; lower it"),
+        (
+            {"own_track_right_mm": 0},
+            r"own_track_right_mm 0 is to the left of own_track_left_mm -1000: no image would stand by the own track; exchange them",
+        ),
         (
             {"route": RouteConfig(routes=4, range_limit_mm=200_000)},
             r"route\.range_limit_mm 200000 is below reflector\.range_limit_mm 300000",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
@@ -14,8 +15,10 @@ from safeloc.language.monitor import check_all
 from safeloc.language.nodes import Value
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
+from safeloc.language.units import NM_PER_MM
 from safeloc.language.verdict import Held, Proved
 from safeloc.models import route
+from safeloc.models.line_runs.ways import seen_beside
 from safeloc.models.route.recorded_runs import ON_DEMAND, RUNS, Run, recorded
 from safeloc.models.route.simulate import Steps, Way, answers, quiet, simulate, way
 from safeloc.models.route.variables import RouteConfig, parts
@@ -24,7 +27,7 @@ from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.route import properties
 from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.toml_files import find_line
-from safeloc.railway.map.topology import Topology
+from safeloc.railway.map.walk import Walk
 from safeloc.runtime.streams.steps import Cell, read_steps
 from safeloc.simulation.motion import Leg
 from tests.models.everything_proved import shipped_runs
@@ -34,11 +37,18 @@ from tests.shipped_recordings import shipped
 CONFIG = RouteConfig()
 MODEL = route.build(parts(CONFIG))
 SYSTEM = lower(MODEL.machine)
-ROUTES = [r for r in through_routes(Topology(find_line("fig3")), 100) if r.runs[0].direction == "increasing"]
+WALK = Walk(find_line("fig3"))
+ROUTES = [r for r in through_routes(WALK.topology, 100) if r.runs[0].direction == "increasing"]
 WAYS = [way(number, one) for number, one in enumerate(ROUTES, 1)]
+WITH_OTHERS = [way(number, one, seen_beside(one, ROUTES, WALK)) for number, one in enumerate(ROUTES, 1)]
 NAMES = [one.models() for one in ROUTES]
 LEGS = [Leg(30_000, 50.0)]
-UNSEEN: dict[str, Cell] = {"sighted_place_nm": 0, "sighted_model": "NONE", "true_course": "UNDECIDED"}
+UNSEEN: dict[str, Cell] = {
+    "sighted_place_nm": 0,
+    "sighted_model": "NONE",
+    "sighted_elsewhere": False,
+    "true_course": "UNDECIDED",
+}
 
 
 def runs(taken: int, missed: tuple[str, ...] = (), **more: object) -> Trace:
@@ -80,6 +90,49 @@ def test_each_route_is_recognised(taken: int) -> None:
     assert {taken} == decisions(trace)
     assert [1, 2, 3, 4, 5] == carried(trace, 0)
     assert all_hold(trace)
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("taken", range(1, 6), ids=NAMES)
+def test_reflectors_of_other_branches_are_sighted(taken: int) -> None:
+    """The radar sees them as well as the own ones, never where those of the own track stand; and the map has them in view of the true route."""
+    steps = simulate(CONFIG, WITH_OTHERS, taken, seed=taken, legs=LEGS)
+    foreign = [step for step in steps if step["sighted_elsewhere"]]
+    assert any("sighting_range_mm" in step for step in foreign)
+    assert not any(step["sighting_by_own_track"] for step in foreign)
+    assert all(
+        step[f"route_{taken}_other_in_view"] for step in foreign if "sighting_range_mm" in step and possible(step)
+    )
+
+    assert {taken} == decisions(followed(steps))
+    assert all_hold(followed(steps))
+
+
+def possible(step: Mapping[str, Cell]) -> bool:
+    """Whether the map was asked in a cycle: it answers with something for some route."""
+    return any(f"route_{n}_reflector_mm" in step or step[f"route_{n}_other_in_view"] for n in range(1, 6))
+
+
+def test_a_reflector_of_another_branch_leaves_the_route() -> None:
+    """A C 80 m ahead on ACD is sighted from ADAB, which has none: without the map's word on it the true route is gone, and the other is told."""
+    adab, acd = NAMES.index("ADAB") + 1, NAMES.index("ACD") + 1
+    start: dict[str, Cell] = {
+        **quiet(CONFIG), **UNSEEN, "start_error_mm": 1_000, "start_truth_nm": 0, "odometer_mm": 0,
+        "start_route": adab, "true_cycle_distance_nm": 0, "next_wander_nm": 0,
+        f"route_{adab}_candidate": True, f"route_{acd}_candidate": True,
+    }  # fmt: skip
+    seen: dict[str, Cell] = {
+        **quiet(CONFIG), **UNSEEN, "start_truth_nm": 0, "start_route": adab, "true_cycle_distance_nm": 0, "next_wander_nm": 0,
+        "odometer_mm": 0, "sighting_range_mm": 80_000, "sighting_error_mm": 200, "sighting_model": "C", "sighted_model": "C",
+        "sighted_place_nm": 80_000 * NM_PER_MM, "sighted_elsewhere": True,
+        f"route_{acd}_reflector_mm": 80_000, f"route_{acd}_model": "C",
+    }  # fmt: skip
+    told = followed([start, {**seen, f"route_{adab}_other_in_view": True}])
+    assert sorted((adab, acd)) == carried(told, 1)
+    assert all_hold(told)
+    assert [acd] == carried(followed([start, seen]), 1)
+    near = followed([start, {**seen, f"route_{adab}_other_in_view": True, "sighting_by_own_track": True}])
+    assert [acd] == carried(near, 1)
 
 
 MISSED = [(one.number, sight.identity) for one in WAYS for sight in one.sights]
@@ -155,7 +208,7 @@ def test_the_map_answers_with_the_nearest_of_that_model() -> None:
     """Of several reflectors of the sighted model, the one nearest to where the sighting puts it."""
     outputs: dict[str, Value] = {f"route_{n}_{end}_mm": 500_000 for n in range(1, 6) for end in ("low", "high")}
     outputs |= {f"route_{n}_possible": n == 1 for n in range(1, 6)}
-    seen: dict[str, Cell] = {"sighting_range_mm": 70_000, "sighting_model": "A"}
+    seen: dict[str, Cell] = {"sighting_range_mm": 70_000, "sighting_error_mm": 200, "sighting_model": "A"}
     found = answers(WAYS, outputs, seen)
     assert 560_000 == found["route_1_reflector_mm"]
     assert 160_000 == found["route_4_reflector_mm"]

@@ -70,6 +70,11 @@ EDITS: dict[str, tuple[type, str, Wrong, str]] = {
         "route 1 is where its reflector is sighted"),
     "what is sighted does not narrow": (Cycle, "seen", lambda _c, _r: FALSE, "route 1 is where its reflector is sighted"),
     "an unknown model counts": (Cycle, "seen", lambda c, _: c.own.sighting_range.present, ONLY_SEEN),
+    "another track's reflector refutes": (Cycle, "doubtful", lambda _c, _r: FALSE, TRUE_ROUTE),
+    "an own reflector there is taken for the one that is sighted": (Cycle, "doubtful", lambda c, r: r & ~c.has_it, TRUE_ROUTE),
+    "what stands by the own track tells nothing": (Cycle, "doubtful", lambda c, _: c.route.other_in_view, HAS_NOT),
+    "what does not stand by the own track tells nothing": (
+        Cycle, "doubtful", lambda c, _: ~c.own.sighting_by_own_track, HAS_NOT),
     "unseen refutes": (Cycle, "fits", lambda c, _: c.has_it & c.turns_so, ONLY_SEEN),
     "any place fits": (Cycle, "has_it", lambda c, _: there(c, anywhere=True), HAS_NOT),
     "any model fits": (Cycle, "has_it", lambda c, _: there(c, any_model=True), HAS_NOT),
