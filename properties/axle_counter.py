@@ -1,4 +1,4 @@
-"""Properties of a train's entry record (FVA-3, FVA-5; as a device FVA-12, FVA-14).
+"""Properties of a train's entry record (FVA-3, FVA-4, FVA-5; as a device FVA-12, FVA-13, FVA-14).
 
 The truth is counted upwards along the line; a record is counted in the direction in which it reports the train as coming.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite, maximum
 from safeloc.language.spec import Property, reachable
 from safeloc.language.units import COUNT, MS, NM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
@@ -18,7 +18,7 @@ from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-3", "FVA-5", "FVA-12", "FVA-14")
 LAW = (
-    "heads without a fault report every axle and true bounds of its speed; trains keep to their traction and "
+    "heads without a fault report every axle, or stay damped, and true bounds of its speed; trains keep to their traction and "
     "brakes, and follow each other at the headway; the input that a passage is over is true"
 )
 
@@ -35,6 +35,8 @@ def properties(model: AxleCounter) -> list[Property]:
         *_spoils(model),
         *_too_long(model),
         *_spoilt(model),
+        *_damped(model),
+        *_free(model),
         *_pause(model),
         *_flaws(model),
         *_no_passage(model),
@@ -45,6 +47,7 @@ def properties(model: AxleCounter) -> list[Property]:
 
 _CLAIMS = Claims(REQUIREMENTS, LAW)
 _held, _lawful = _CLAIMS.for_all_inputs, _CLAIMS.lawful
+_SAFE = Claims(("FVA-4", "FVA-13"), LAW)
 
 
 def _ahead(model: AxleCounter, along: Num) -> Num:
@@ -193,6 +196,24 @@ def _other_way(own: Parts) -> Bool:
     return own.axle.ne(NO_AXLE) & own.axle.ne(before(own.direction))
 
 
+def _longest(own: Parts) -> Num:
+    return Lit(own.config.length_limit_mm * 1_000, UM)
+
+
+def _has_passed(model: AxleCounter) -> Bool:
+    """Return the condition that a passage goes on without an axle, and its train has certainly run farther than two axles are apart."""
+    own, passing = model.own, model.machine.modes[2]
+    slowest = maximum(before(own.speed_low) - _change_mm_s(own), -own.config.max_speed_mm_s)
+    past = before(own.past_low) + slowest * Lit(own.config.period_ms, MS)
+    return (
+        before(model.machine.mode).eq(passing) & own.axle.eq(NO_AXLE) & (past > Lit(own.config.axle_gap_mm * 1_000, UM))
+    )
+
+
+def _due(model: AxleCounter) -> Bool:
+    return _has_passed(model) & ~model.own.fault
+
+
 def _late(own: Parts) -> Bool:
     """Return the condition that the headway may have passed since the last axle, which may lie at the edge of its cycle, as this one."""
     return (before(own.pause) + 2) * own.config.period_ms > own.config.headway_ms
@@ -223,10 +244,9 @@ def _spoils(model: AxleCounter) -> Iterator[Property]:
 
 def _too_long(model: AxleCounter) -> Iterator[Property]:
     own = model.own
-    longest = Lit(own.config.length_limit_mm * 1_000, UM)
     yield _held(
         "no longer train than the longest goes on",
-        _goes_on(model).implies(before(own.length_high) <= longest),
+        _goes_on(model).implies(before(own.length_high) <= _longest(own)),
         "a passage that may be longer than the longest train is spoilt in the next cycle",
     )
 
@@ -246,6 +266,41 @@ def _spoilt(model: AxleCounter) -> Iterator[Property]:
         all_of([before_.eq(spoilt), own.over, own.axle.eq(NO_AXLE), ~own.fault]).implies(machine.flag("record_ready")),
         "when an input reports that a spoilt passage is over, in a cycle without an axle or a fault, the machine "
         "reports a passage without a record in that cycle",
+    )
+
+
+def _damped(model: AxleCounter) -> Iterator[Property]:
+    """Claim that no record comes from a head that is damped."""
+    machine, own = model.machine, model.own
+    spoilt, sound = machine.modes[0], machine.flag("record_sound")
+    yield _SAFE.for_all_inputs(
+        "no record while the head is damped",
+        own.damped.implies(~sound),
+        "in a cycle at whose end the head is damped there is no sound record",
+    )
+    yield _SAFE.for_all_inputs(
+        "a head that is damped when the train has passed spoils",
+        (_due(model) & own.damped).implies(machine.mode.eq(spoilt) & own.flaw.one_of(p.HEAD_DAMPED, p.TOO_LONG)),
+        "where the record would be due and the head is damped, the passage is spoilt in that cycle, with its reason",
+    )
+    yield _SAFE.lawful(
+        "an axle that a damped head has missed is in no record",
+        own.missed.implies(~sound),
+        "where a channel has stayed damped under an axle and the head has left it uncounted, no sound record comes",
+    )
+
+
+def _free(model: AxleCounter) -> Iterator[Property]:
+    """Claim that a free head gives the record that is due."""
+    own, done = model.own, model.machine.modes[3]
+    followed = (before(own.length_high) <= _longest(own)) & ~_far_off(own)
+    yield _SAFE.for_all_inputs(
+        "a free head gives the record that is due",
+        (_due(model) & ~own.damped & followed).implies(
+            model.machine.mode.eq(done) & own.flaw.one_of(p.SOUND, p.LENGTH_UNKNOWN)
+        ),
+        "where the train has passed, the head is free and not at fault, and the passage is not too long, the record comes in that cycle, "
+        "unless its length is not known well enough",
     )
 
 
@@ -272,18 +327,20 @@ def _flaws(model: AxleCounter) -> Iterator[Property]:
     newly = before_.ne(spoilt) & mode.eq(spoilt)
     yield _held(
         "a passage is spoilt only for the reported reason",
-        newly.implies(any_of(own.flaw.eq(flaw) & cause for flaw, cause in _causes(own).items())),
+        newly.implies(any_of(own.flaw.eq(flaw) & cause for flaw, cause in _causes(model).items())),
         "a passage is spoilt only by what its flaw says",
     )
     yield _lawful(
         "true speeds never contradict each other",
-        own.flaw.ne(p.SPEED_CONTRADICTED),
-        "the bounds of the speeds of a train that keeps to its traction and brakes always overlap",
+        newly.implies(own.flaw.ne(p.SPEED_CONTRADICTED) | own.missed),
+        "the bounds of the speeds of a train that keeps to its traction and brakes always overlap, as long as the head has counted its axles",
     )
     yield _held(
         "an unspoilt passage goes on",
-        (before_.eq(passing) & own.axle.eq(NO_AXLE) & ~own.fault).implies(mode.ne(spoilt) | own.flaw.eq(p.TOO_LONG)),
-        "in a cycle without an axle and without a fault only its length can spoil a passage",
+        (before_.eq(passing) & own.axle.eq(NO_AXLE) & ~own.fault).implies(
+            mode.ne(spoilt) | own.flaw.eq(p.TOO_LONG) | (own.flaw.eq(p.HEAD_DAMPED) & own.damped)
+        ),
+        "in a cycle without an axle and without a fault only its length, or a damped head, can spoil a passage",
     )
 
 
@@ -305,7 +362,8 @@ def _no_passage(model: AxleCounter) -> Iterator[Property]:
     )
 
 
-def _causes(own: Parts) -> dict[Lit, Bool]:
+def _causes(model: AxleCounter) -> dict[Lit, Bool]:
+    own = model.own
     counted, config = own.axle.ne(NO_AXLE), own.config
     unknown = (
         ~own.axle_speed_low.present
@@ -317,9 +375,10 @@ def _causes(own: Parts) -> dict[Lit, Bool]:
         p.NO_SPEED: counted & unknown,
         p.TURNED: _other_way(own),
         p.TOO_MANY: before(own.axles_counted) + own.axles_in_cycle > config.axle_limit,
-        p.TOO_LONG: (before(own.length_high) > Lit(config.length_limit_mm * 1_000, UM)) | _far_off(own),
+        p.TOO_LONG: (before(own.length_high) > _longest(own)) | _far_off(own),
         p.SPEED_CONTRADICTED: counted & ~unknown,
         p.MAYBE_ANOTHER_TRAIN: counted & _late(own),
+        p.HEAD_DAMPED: own.damped & _has_passed(model),
     }
 
 

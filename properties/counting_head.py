@@ -25,6 +25,7 @@ def properties(model: CountingHead) -> list[Property]:
         *_faults(model),
         *_no_more_faults(model),
         *_added(model),
+        *_damped(model),
         *_reached(model),
     ]
 
@@ -167,6 +168,23 @@ def _added(model: CountingHead) -> Iterator[Property]:
         & axles.eq(ite(sound, ups + downs, 0))
         & axle.eq(ite(sound & (ups > 0), UP, ite(sound & (downs > 0), DOWN, NO_AXLE))),
         "a record without a fault reports the axles of its cycle with their direction; a record with a fault, and a sample within a cycle, reports none",
+    )
+
+
+def _damped(model: CountingHead) -> Iterator[Property]:
+    """Claim that the counter is told of a head that is damped when its cycle ends, and of no other one."""
+    of, machine = model.composition.of(model.cycle.machine), model.cycle.machine
+    a, b, _ = _some(model)
+    done, fault, told = (of.bool(machine.flag(f"cycle_{name}")) for name in ("done", "fault", "damped"))
+    yield _held(
+        "a head that is damped when its cycle ends is told",
+        _mode_is_kept(model) & (done & (a | b)).implies(told),
+        "at the last sample of a cycle in which a channel is damped, the counter is told that the head is damped",
+    )
+    yield _held(
+        "a free head is not told as damped",
+        told.implies(done & (a | b | fault)),
+        "where the counter is told that the head is damped, a channel is damped at the last sample of the cycle, or the cycle is at fault",
     )
 
 

@@ -7,7 +7,8 @@
 
 The length from first to last axle is the integral of the speed over the occupation, not the speed times the time
 (figures, 003 item 6): between axles the speed is bounded by traction and braking ability, and the bounds are summed. A
-train has passed when it has certainly run farther than its longest distance between two axles. If it runs too slowly for that,
+train has passed when it has certainly run farther than its longest distance between two axles. If the head is still damped then, a
+wheel may have come that it has not counted, and there is no record. If the train runs too slowly for that,
 an axle that comes after a pause as long as the headway may be another train's, and spoils the passage.
 
 The run is counted from the first axle in whole um, positive in the direction in which the train came.
@@ -24,6 +25,7 @@ from safeloc.language.units import MS, UM_PER_MM
 from safeloc.models.axle_counter.cycle import Cycle
 from safeloc.models.axle_counter.lemmas import lemmas
 from safeloc.models.axle_counter.passage import (
+    HEAD_DAMPED,
     HEAD_FAULT,
     LENGTH_UNKNOWN,
     MAYBE_ANOTHER_TRAIN,
@@ -74,7 +76,7 @@ def build(own: Parts) -> AxleCounter:
         },
         doc=(
             "Entry record of a train from the axles that a counting head reports. Assumed: without a fault the "
-            "head reports every axle in its cycle and in its direction, with true bounds of its speed; no train "
+            "head reports every axle in its cycle and in its direction, with true bounds of its speed, or stays damped; no train "
             "changes its speed faster, or has two axles farther apart, than configured; trains follow each other "
             "at the headway; the input that a passage is over is true."
         ),
@@ -151,6 +153,7 @@ def _flaws(own: Parts, cycle: Cycle, counted: Bool, both_speeds: Bool) -> list[t
         (onward & ~both_speeds, NO_SPEED),
         (onward & ~agrees, SPEED_CONTRADICTED),
         (onward & full, TOO_MANY),
+        (cycle.may_lack_an_axle, HEAD_DAMPED),
     ]
 
 

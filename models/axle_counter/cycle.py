@@ -56,6 +56,11 @@ class Cycle:
         return self.past > Lit(self.own.config.axle_gap_mm * UM_PER_MM, UM)
 
     @cached_property
+    def may_lack_an_axle(self) -> Bool:
+        """The train has passed, and the head is still damped: a channel may have stayed damped under a wheel that was not counted."""
+        return self.passed & ~self.counted & self.own.damped
+
+    @cached_property
     def past(self) -> Num:
         """Lower bound of the run since the last axle, after a cycle without one, um."""
         return self.own.past_low + self.speeds[0] * Lit(self.own.config.period_ms, MS)

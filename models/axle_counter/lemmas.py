@@ -9,9 +9,10 @@ from safeloc.models.axle_head import NO_AXLE, UP
 
 
 def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Bool]:
-    """Return the lemmas: while a passage is followed, and in the cycle of its record."""
+    """Return the lemmas: while a passage is followed and no axle was missed, and in the cycle of its record."""
     spoilt, idle, passing, done = table
-    followed = current.eq(passing) | (current.eq(done) & own.flaw.eq(SOUND))
+    recorded = current.eq(done) & own.flaw.eq(SOUND)
+    followed = (current.eq(passing) | recorded) & ~own.missed
     run = between(exact_to(own.run_low, NM), _ahead(own, own.run), exact_to(own.run_high, NM))
     length = between(exact_to(own.length_low, NM), _ahead(own, own.length), exact_to(own.length_high, NM))
     speed = between(exact_to(own.speed_low, UM_S), _ahead(own, own.speed), exact_to(own.speed_high, UM_S))
@@ -23,13 +24,14 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
             (_ahead(own, own.run - own.length) >= exact_to(own.past_low, NM)) | _too_slow_to_pass(own)
         ),
         "the count is true": followed.implies(own.axles_counted.eq(own.axles)),
+        "no axle is missed in a record": recorded.implies(~own.missed),
         "a spoilt passage has a flaw": current.eq(spoilt).implies(own.flaw.ne(SOUND)),
         "a train has a direction": current.eq(passing).implies(own.direction.ne(NO_AXLE) & (own.axles_counted > 0)),
-        "between passages the next axle begins one": current.one_of(idle, done).implies(own.away),
-        "the last axle came as the first one": current.eq(passing).implies(
+        "between passages the next axle begins one": current.one_of(idle, done).implies(own.away | own.missed),
+        "the last axle came as the first one": (current.eq(passing) & ~own.missed).implies(
             own.last_axle_upwards.iff(own.direction.eq(UP))
         ),
-        "the pause is counted": (current.eq(passing) & (own.pause < own.pause.high)).implies(
+        "the pause is counted": (current.eq(passing) & (own.pause < own.pause.high) & ~own.missed).implies(
             own.pause.eq(own.true_pause)
         ),
     }

@@ -23,10 +23,11 @@ _FLAW = members(
     "TOO_LONG",
     "LENGTH_UNKNOWN",
     "MAYBE_ANOTHER_TRAIN",
+    "HEAD_DAMPED",
 )
 (
     SOUND, POWER_UP, HEAD_FAULT, NO_SPEED, SPEED_CONTRADICTED, TURNED, TOO_MANY, TOO_LONG, LENGTH_UNKNOWN,
-    MAYBE_ANOTHER_TRAIN,
+    MAYBE_ANOTHER_TRAIN, HEAD_DAMPED,
 ) = _FLAW  # fmt: skip
 
 
@@ -93,6 +94,7 @@ class Parts:
     axle, axles_in_cycle     direction of the axles counted in this cycle (the same for all of them), and their number
     axle_speed_low, axle_speed_high       bounds of the speeds of all of them
     fault            the head is disturbed, or its two channels disagree
+    damped           at the end of the cycle a wheel, or what takes its place, damps the head
     over             no train is on the counter; reported by the counters around, or by the operator
     speed_low, speed_high    bounds of the speed now
     run_low, run_high        bounds of the run since the first axle
@@ -104,6 +106,7 @@ class Parts:
     axle_true_speed                 ghost: its speed when the axle passed
     away                       ghost: the next axle belongs to another passage
     true_pause, last_axle_upwards            ghosts: cycles since the last axle; it passed upwards
+    missed                     ghost: a damped head has left an axle uncounted, and no fault came since
     """
 
     def __init__(self, config: AxleCounterConfig) -> None:
@@ -116,6 +119,7 @@ class Parts:
         self.axle_speed_low = declared.sensor(optional("axle_speed_low_mm_s", MM_S, 0, most))
         self.axle_speed_high = declared.sensor(optional("axle_speed_high_mm_s", MM_S, 0, most))
         self.fault = declared.sensor(boolean("head_fault"))
+        self.damped = declared.sensor(boolean("head_damped"))
         self.over = declared.sensor(boolean("passage_over"))
         self.speed_low = declared.state(number("speed_low_mm_s", MM_S, -most, most), first=0)
         self.speed_high = declared.state(number("speed_high_mm_s", MM_S, -most, most), first=0)
@@ -137,6 +141,7 @@ class Parts:
             number("true_pause_cycles", COUNT, 0, config.headway_ms // config.period_ms + 1), first=ANY
         )
         self.last_axle_upwards = declared.ghost(boolean("last_axle_upwards"), first=ANY)
+        self.missed = declared.ghost(boolean("axle_missed"), first=False)
         self.next_true_speed = declared.choice(
             number("next_true_speed_um_s", UM_S, -most * UM_PER_MM, most * UM_PER_MM)
         )

@@ -20,6 +20,7 @@ from safeloc.runtime.streams.steps import Cell
 _SPREAD_MM_S = 200  # distance of the reported bounds of an axle's speed from it
 _BETWEEN_CYCLES = 300  # the headway
 _SLOWEST_MM_S = 12_000  # slower trains may not certainly have passed before another one comes
+_HEAD_MM = 360  # of rail on which a wheel damps the head
 
 
 @dataclass(frozen=True)
@@ -92,9 +93,9 @@ def _quiet(config: AxleCounterConfig, speed_mm_s: int, *, over: bool) -> dict[st
     """Return a cycle without an axle; the train is elsewhere, and still runs."""
     speed = speed_mm_s * UM_PER_MM
     return {
-        "axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "passage_over": over, "next_true_speed_um_s": speed,
-        "axle_true_speed_um_s": speed, "true_cycle_distance_nm": speed * config.period_ms, "true_distance_to_axle_nm": 0,
-        "true_axles_in_cycle": 0,
+        "axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "head_damped": False, "passage_over": over,
+        "next_true_speed_um_s": speed, "axle_true_speed_um_s": speed, "true_cycle_distance_nm": speed * config.period_ms,
+        "true_distance_to_axle_nm": 0, "true_axles_in_cycle": 0,
     }  # fmt: skip
 
 
@@ -125,14 +126,18 @@ class _Train:
         """Return the places of the axles that pass within the cycle, upwards or back."""
         return [place for place in self._behind if min(before, after) < place <= max(before, after)]
 
+    def _is_on_the_head(self, run: int) -> bool:
+        """Return whether an axle stands on the head, of which it is counted where it leaves it upwards."""
+        return any(0 < place - run <= _HEAD_MM * NM_PER_MM for place in self._behind)
+
     def _inputs(self, before: int, after: int, speed: int) -> dict[str, Cell]:
-        axles = self._axles(before, after)
+        axles, damped = self._axles(before, after), self._is_on_the_head(after)
         if not axles:
-            return _without_truth(_quiet(self._config, speed, over=False))
+            return {**_without_truth(_quiet(self._config, speed, over=False)), "head_damped": damped}
         most = self._config.max_speed_mm_s
         return {
             "axle": "UP" if speed > 0 else "DOWN", "axles_in_cycle": len(axles), "head_fault": False,
-            "passage_over": False, "axle_speed_low_mm_s": max(abs(speed) - _SPREAD_MM_S, 0),
+            "head_damped": damped, "passage_over": False, "axle_speed_low_mm_s": max(abs(speed) - _SPREAD_MM_S, 0),
             "axle_speed_high_mm_s": min(abs(speed) + _SPREAD_MM_S, most),
         }  # fmt: skip
 
@@ -196,6 +201,17 @@ def _spoilt(cells: Mapping[str, Cell | None], *, untrue: bool = False) -> Callab
     return passages
 
 
+def _stays_damped(config: AxleCounterConfig) -> Passages:
+    """Let a channel stay damped under the last axle, until the head is repaired, which it reports as a fault."""
+    train = _steady(config)
+    steps = _Train(config, train).steps()
+    last = [number for number, step in enumerate(steps) if step["axle"] == "UP"][-1]
+    faults: dict[int, Mapping[str, Cell | None]] = {cycle: {"head_damped": True} for cycle in range(last, len(steps))}
+    faults[last] = {**_NOT_TOLD, "head_damped": True}
+    faults[len(steps) - 1] = {"head_fault": True}
+    return [replace(train, faults=faults), train]
+
+
 def _power_up(config: AxleCounterConfig) -> Passages:
     """Start the machine while a train is on the counter."""
     return [replace(_steady(config), untrue=True, begins_at=30), _steady(config)]
@@ -217,6 +233,11 @@ RUNS: Mapping[str, WorkedRun[AxleCounterConfig]] = {
         "The head does not know the direction of an axle: no record, flaw HEAD_FAULT; the next train has one.",
         _spoilt({**_NOT_TOLD, "head_fault": True}),
     ),
+    "axle_counter-head-stays-damped": _worked(
+        "A channel stays damped under the last axle, and the head leaves it uncounted without a fault: no record, flaw HEAD_DAMPED; the "
+        "next train has one.",
+        _stays_damped,
+    ),
     "axle_counter-no-speed": _worked(
         "The speed of an axle does not come: no record, flaw NO_SPEED; the next train has one.",
         _spoilt({"axle_speed_low_mm_s": None}),
@@ -231,7 +252,7 @@ ON_DEMAND: Mapping[str, WorkedRun[AxleCounterConfig]] = {
         "Started while a train passes: no record of the rest of it; the next train has one.", _power_up
     ),
     "axle_counter-miscount": _worked(
-        "The head misses an axle without reporting a fault: the record is one axle short. This machine cannot "
+        "The head misses an axle without reporting a fault, and is free: the record is one axle short. This machine cannot "
         "notice it; the comparison with the fibre's count does.",
         _spoilt(_NOT_TOLD, untrue=True),
     ),

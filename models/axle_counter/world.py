@@ -12,7 +12,11 @@ from safeloc.language.units import MS, NM, UM_S
 from safeloc.language.world import Law, World
 from safeloc.models.axle_counter.passage import AxleCounterConfig, Parts
 from safeloc.models.axle_head import NO_AXLE
-from safeloc.models.vocabulary.head_contract import counts_every_axle
+from safeloc.models.vocabulary.head_contract import (
+    counts_every_axle,
+    counts_every_axle_or_stays_damped,
+    misses_an_axle,
+)
 
 _ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
 
@@ -20,6 +24,7 @@ _ABILITY = ("change_mm_s2", "max_speed_mm_s", "period_ms")
 def world(own: Parts) -> World:
     """Return the world of the train on the counter: speed, run since its first axle, length and axles so far, and its distance.
 
+    Beside the train it is told whether a damped head has left one of its axles uncounted.
     A train that stands on the counter when the machine starts begins with the first axle that passes after that.
     """
     run, length = _run_after(own)
@@ -34,6 +39,7 @@ def world(own: Parts) -> World:
             own.away: _away_after(own),
             own.last_axle_upwards: ite(passes, own.axle_true_speed > 0, own.last_axle_upwards),
             own.true_pause: ite(passes, 0, minimum(own.true_pause + 1, own.true_pause.high)),
+            own.missed: misses_an_axle(_counts(own), fault=own.fault, damped=own.damped, missed=own.missed),
         },
         clauses={**_head_laws(own), **_train_laws(own)},
     )
@@ -47,16 +53,11 @@ def _head_laws(own: Parts) -> dict[str, Bool | Law]:
     slow, fast = exact_to(own.axle_speed_low.value, UM_S), exact_to(own.axle_speed_high.value, UM_S)
     return {
         "a head without a fault counts every axle": Law(
-            counts_every_axle(
-                fault=own.fault,
-                axle=own.axle,
-                number=own.axles_in_cycle,
-                passed=own.true_axles_in_cycle,
-                upwards=own.axle_true_speed > 0,
-                downwards=own.axle_true_speed < 0,
-            ),
-            "As long as the head is not at fault, it reports every axle once, in its cycle and with its direction.",
-            source="[S] DP 1 728 700: overlapping pulses; proved of the counting head through a cycle (counting_head)",
+            counts_every_axle_or_stays_damped(_counts(own), fault=own.fault, damped=own.damped, missed=own.missed),
+            "As long as the head is not at fault, it reports every axle once, in its cycle and with its direction; or one of its channels "
+            "stays damped under an axle, and the head is damped at the end of that cycle and of each one until it is at fault.",
+            source="[S] DP 1 728 700: overlapping pulses; proved of the counting head through a cycle (counting_head), tried of channels "
+            "that stay damped",
             owner="supplier",
             check="counts of neighbouring counters and of the fibre compared",
         ),
@@ -142,6 +143,18 @@ def _line_laws(own: Parts) -> dict[str, Bool | Law]:
 
 
 # ------------------------------------------------------------------ terms of the world
+
+
+def _counts(own: Parts) -> Bool:
+    """Return whether the cycle, if the head is not at fault, is reported as it was."""
+    return counts_every_axle(
+        fault=own.fault,
+        axle=own.axle,
+        number=own.axles_in_cycle,
+        passed=own.true_axles_in_cycle,
+        upwards=own.axle_true_speed > 0,
+        downwards=own.axle_true_speed < 0,
+    )
 
 
 def _change(own: Parts) -> Num:

@@ -5,7 +5,8 @@
 
 A step is a sample. The axle counter takes a step once a cycle (some two hundred samples), so the three are no composition. What
 binds them is a contract of one cycle (models.vocabulary.head_contract): here it is proved of every row of samples that makes a cycle, and
-it is the law that the counter's world assumes of each of its cycles. Cycles do not overlap, and each sample is in one.
+the law that the counter's world assumes of each of its cycles follows from it, and allows besides that a channel stays damped. Cycles do
+not overlap, and each sample is in one.
 """
 
 from __future__ import annotations

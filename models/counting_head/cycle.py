@@ -1,11 +1,12 @@
 """Adds up the samples of a counting head through one cycle of the axle counter.
 
     WITHIN   samples of a cycle are being added up; there is no record
-    DONE     the last sample of the cycle: the record has its axles and their direction, or a fault
+    DONE     the last sample of the cycle: the record has its axles and their direction, or a fault; and whether the head is damped
 
 A cycle is at fault if the head was disturbed in one of its samples, if a wheel left the head without being counted or went back on it, if
 axles passed both ways, or more than the counter takes. A channel that is silent makes every wheel leave uncounted; one that stays
-damped makes every wheel go back.
+damped makes every wheel go back. Only a channel that begins to stay damped under a wheel leaves this one uncounted without a fault: then
+the head is damped at the end of that cycle and of each one until the next wheel, and the counter is told.
 """
 
 from __future__ import annotations
@@ -84,6 +85,7 @@ def head_cycle(samples: int, most: int, head_modes: Sequence[Lit]) -> HeadCycle:
             "cycle_fault": current.eq(table[1]) & own.flawed,
             "cycle_axle": ite(sound, way, NO_AXLE),
             "cycle_axles": ite(sound, own.axles_upwards + own.axles_downwards, 0),
+            "cycle_damped": current.eq(table[1]) & _head_is_damped(own),
         },
         transitions=list(_table(own, table)),
         world=_world(own),
@@ -155,6 +157,11 @@ def sample_flawed(own: Parts) -> Bool:
     back = ((both_up, a_first), (b_last, both_up), (both_down, b_first), (a_last, both_down))
     went_back = any_of(own.mode_before.eq(far) & own.head_mode.eq(near) for far, near in back)
     return own.head_mode.eq(disturbed) | own.mode_before.eq(disturbed) | uncounted | went_back
+
+
+def _head_is_damped(own: Parts) -> Bool:
+    """Return whether the head was damped, or disturbed, in this sample."""
+    return own.mode_before.ne(own.head_modes[0])
 
 
 # ------------------------------------------------------------------ the world

@@ -45,9 +45,9 @@ def failing(steps: Steps, channel: str, *, damped: bool, begin: int) -> Steps:
 
 
 def _service(config: CountingHeadConfig) -> Steps:
-    """Two bogies up, two axles down."""
+    """Two bogies up, the third wheel of them on the head as a cycle ends; two axles down."""
     rolls = [
-        head.through(config.head, (0, _BOGIE_MM, 9_000, 11_500), 30_000),
+        head.through(config.head, (0, _BOGIE_MM, 8_800, 11_300), 30_000),
         head.through(config.head, (0, _BOGIE_MM), -36_000),
     ]
     return named(_whole(config, head.samples(config.head, rolls)))

@@ -1,7 +1,7 @@
 """The contract between a counting head and an axle counter, over one cycle of the counter (FVA-4).
 
-The counter assumes it of each of its cycles (models.axle_counter.world); of the head it is proved of each row of samples that make a
-cycle (models.counting_head). Both sides call this one function.
+`counts_every_axle` is proved of the head, of each row of samples that make a cycle (models.counting_head). The counter assumes less
+of each of its cycles (models.axle_counter.world): `counts_every_axle_or_stays_damped`, which a head with a channel that stays damped keeps too.
 """
 
 from __future__ import annotations
@@ -20,3 +20,18 @@ def counts_every_axle(*, fault: Bool, axle: Num, number: Num, passed: Num, upwar
     reported = ite(axle.eq(NO_AXLE), 0, number)
     way = axle.eq(UP).implies(upwards) & axle.eq(DOWN).implies(downwards)
     return (~fault).implies(passed.eq(reported) & way)
+
+
+def counts_every_axle_or_stays_damped(counted: Bool, *, fault: Bool, damped: Bool, missed: Bool) -> Bool:
+    """Return whether a head that leaves an axle uncounted without a fault is damped from then on until it is at fault.
+
+    counted   the cycle is reported as it was
+    damped    the head is damped at the end of the cycle
+    missed    an axle was left uncounted in an earlier cycle, and no fault came since
+    """
+    return (counted | damped) & (missed & ~fault).implies(damped)
+
+
+def misses_an_axle(counted: Bool, *, fault: Bool, damped: Bool, missed: Bool) -> Bool:
+    """Return whether an axle has been left uncounted, and neither a fault nor a free head came since."""
+    return ~fault & damped & (missed | ~counted)

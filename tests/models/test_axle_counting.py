@@ -104,11 +104,16 @@ def test_a_channel_alone_is_sampled() -> None:
 # ------------------------------------------------------------------ entry records
 
 
+QUIET: dict[str, Cell] = {
+    "axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "head_damped": False, "passage_over": False,
+}  # fmt: skip
+
+
 def passage(speeds: list[int], axles: dict[int, int], **at: dict[str, Cell]) -> Trace:
     """A train: its speed in every cycle, axles told in some of them; `c3={...}` changes cells of cycle 3."""
-    steps: list[dict[str, Cell]] = [{"axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "passage_over": True}]
+    steps: list[dict[str, Cell]] = [QUIET | {"passage_over": True}]
     for cycle, speed in enumerate(speeds):
-        step: dict[str, Cell] = {"axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "passage_over": False}
+        step = dict(QUIET)
         if cycle in axles:
             step |= {"axle": "UP", "axles_in_cycle": axles[cycle]}
             step |= {"axle_speed_low_mm_s": speed - 200, "axle_speed_high_mm_s": speed + 200}
@@ -157,11 +162,21 @@ def test_a_flaw_gives_no_record(cells: dict[str, Cell], flaw: str) -> None:
     assert labels(trace, "record_flaw")[-1] == flaw
 
 
+def test_a_head_that_is_damped_when_the_train_has_passed_gives_no_record() -> None:
+    """A wheel may be on it that is not counted; while the train passes a wheel on the head is nothing."""
+    damped: dict[str, Cell] = {"head_damped": True}
+    axles = {0: 2, 5: 2, 10: 2, 15: 2, 20: 2}
+    stays = passage([20_000] * 40, axles, **{f"c{cycle}": damped for cycle in range(20, 40)})
+    assert not any(one.outputs["record_sound"] for one in stays.steps)
+    assert labels(stays, "record_flaw")[-1] == "HEAD_DAMPED"
+    assert record(passage([20_000] * 40, axles, c9=damped, c10=damped, c22=damped))["record_axles"] == 10
+
+
 def test_power_up_gives_no_record() -> None:
     """A train that is on the counter at power-up is not counted from its middle."""
     step: dict[str, Cell] = {
         "axle": "UP", "axles_in_cycle": 2, "axle_speed_low_mm_s": 9_000, "axle_speed_high_mm_s": 9_100,
-        "head_fault": False, "passage_over": False,
+        "head_fault": False, "head_damped": False, "passage_over": False,
     }  # fmt: skip
     trace = run(without_ghosts(lower(counter().machine)), [step] * 3)
     assert mode_labels(counter().machine, trace) == ["SPOILT"] * 3

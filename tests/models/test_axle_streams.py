@@ -165,6 +165,7 @@ def test_an_unknown_direction_disturbs(stem: str, axles: int) -> None:
         ("axle_counter-turned", [20], "TURNED"),
         ("axle_counter-crawling", [20], "MAYBE_ANOTHER_TRAIN"),
         ("axle_counter-direction-unknown", [20], "HEAD_FAULT"),
+        ("axle_counter-head-stays-damped", [20], "HEAD_DAMPED"),
         ("axle_counter-no-speed", [20], "NO_SPEED"),
         ("axle_counter-power-up", [20], "POWER_UP"),
         ("axle_counter-miscount", [19, 20], None),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.language.expr import Bool, Lit, Num, any_of, between
+from safeloc.language.expr import FALSE, Bool, Lit, Num, any_of, between
 from safeloc.language.units import MS
 from safeloc.models import axle_counter, axle_head, axle_section
 from safeloc.models.axle_counter import AxleCounterConfig
@@ -144,6 +144,15 @@ COUNTER_EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
     ("onward", lambda self: self.own.axle.eq(UP), "turning spoils"),
     ("length_known", lambda self: self.own.length_low > 0, "length is exact enough"),
     ("passed", lambda self: self.past > 0, "the whole train has passed"),
+    ("may_lack_an_axle", lambda self: FALSE, "count is true"),
+    ("may_lack_an_axle", lambda self: FALSE, "no record while the head is damped"),
+    ("may_lack_an_axle", lambda self: FALSE, "an axle that a damped head has missed is in no record"),
+    (
+        "may_lack_an_axle",
+        lambda self: self.own.damped & ~self.counted,
+        "a passage is spoilt only for the reported reason",
+    ),
+    ("may_lack_an_axle", lambda self: self.passed & ~self.counted, "a free head gives the record that is due"),
 ]
 
 
@@ -151,7 +160,7 @@ COUNTER_EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
 def test_a_wrong_term_of_a_record_is_noticed(
     name: str, wrong: Callable[[Cycle], object], broken: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Bounds that do not grow, a passage that is over too early, an axle of another train that is counted."""
+    """Bounds that do not grow, a passage that is over too early, an axle of another train that is counted, a damped head that is not heard."""
     monkeypatch.setattr(Cycle, name, property(wrong))
     assert _counter_lacks(broken)
 

@@ -38,9 +38,9 @@ WRITE: Mapping[str, Callable[[Path], list[Path]]] = {
     "verification": partial(write_runs, runs=verification_runs.ON_DEMAND, config=VerificationConfig()),
 }
 DIGESTS = {
-    "axle_counter-braking.jsonl.gz": "71df30c4d4722b87",
-    "axle_counter-miscount.jsonl.gz": "6494c127df9b3b5b",
-    "axle_counter-power-up.jsonl.gz": "3ea93a71d207e05c",
+    "axle_counter-braking.jsonl.gz": "d358b1e713611505",
+    "axle_counter-miscount.jsonl.gz": "d47efaf1194e654d",
+    "axle_counter-power-up.jsonl.gz": "7218576285aff685",
     "axle_section-miscount.jsonl.gz": "33110548ca24526f",
     "emitter-unanswered.jsonl.gz": "a0aff0e8afe7b741",
     "fibre_area-turned-back.jsonl.gz": "7f3adc0a9048a14f",
