@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import selectors
 import sys
@@ -83,10 +82,15 @@ class Busy(Work):
         return {}
 
 
+def _nothing() -> None:
+    """Collect and freeze nothing: the objects are those of all tests."""
+
+
 def between(monkeypatch: pytest.MonkeyPatch, gather_s: float, takes_s: float) -> tuple[set[Any], float]:
     """The times from turn to turn, in ms, and what was slept."""
     clock = Clock()
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=clock.monotonic, sleep=clock.sleep))
+    monkeypatch.setattr(module, "gc", SimpleNamespace(collect=_nothing, freeze=_nothing))
     work = Busy(clock, gather_s, takes_s)
     switching_s = sys.getswitchinterval()
     try:
@@ -94,7 +98,6 @@ def between(monkeypatch: pytest.MonkeyPatch, gather_s: float, takes_s: float) ->
             Loop(work, selector, Journal(os.open(os.devnull, os.O_WRONLY))).run()
     finally:
         sys.setswitchinterval(switching_s)
-        gc.unfreeze()
     steps = zip(work.begun[1:], work.begun[2:], strict=False)
     return {round((b - a) * 1_000, 6) for a, b in steps}, clock.slept
 
