@@ -87,7 +87,12 @@ def test_codes_of_reports() -> None:
 PLAIN = st.none() | st.booleans() | st.integers() | st.text()
 
 
-@given(st.dictionaries(st.text(), st.recursive(PLAIN, lambda one: st.lists(one) | st.dictionaries(st.text(), one))))
+NESTED = st.recursive(
+    PLAIN, lambda one: st.lists(one, max_size=4) | st.dictionaries(st.text(), one, max_size=4), max_leaves=8
+)
+
+
+@given(st.dictionaries(st.text(), NESTED, max_size=4))
 def test_the_text_of_a_report(report: dict[str, Any]) -> None:
     """One line, without spaces outside of texts, and with the same content: whole numbers of any size, and any character."""
     text = port(Connection()).text(report)
