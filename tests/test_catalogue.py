@@ -417,7 +417,7 @@ def test_a_machine_with_its_defaults_is_not_loaded_again_while_somebody_has_it(t
     assert with_defaults("delocalized") is first
     name = first.name
     del first
-    gc.collect()
+    gc.collect(1)  # the machine is young; to look through all objects of the tests takes a second
     again = with_defaults("delocalized")
     assert (name, None) == (again.name, again.config_file)
     assert with_defaults("delocalized") is again

@@ -28,6 +28,10 @@ def test_slow(): ...
 """
 
 
+WITHOUT = ("-p", "no:cacheprovider", "-p", "no:unraisableexception")
+"""No folder is left behind; and the second plugin would look, five times at the end, through all objects of the tests' process."""
+
+
 class Kept:
     """Keeps what was collected."""
 
@@ -43,19 +47,8 @@ def collected(tmp_path_factory: pytest.TempPathFactory, text: str) -> list[pytes
     folder, kept = tmp_path_factory.mktemp("collected"), Kept()
     file = folder / f"test_in_{folder.name}.py"  # a module of its own each time
     file.write_text(text)
-    pytest.main(
-        [
-            "--collect-only",
-            "-q",
-            "--import-mode=importlib",
-            "-p",
-            "no:cacheprovider",
-            "--rootdir",
-            str(folder),
-            str(file),
-        ],
-        [kept],
-    )
+    options = ["--collect-only", "-q", "--import-mode=importlib", "--rootdir", str(folder)]
+    pytest.main([*options, *WITHOUT, str(file)], [kept])
     return kept.items
 
 
