@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -17,6 +19,7 @@ VEHICLE = VehicleConfig()
 TO_AND_FRO = move(VEHICLE, [Leg(15_000, 30.0), Leg(0, 25.0), Leg(-15_000, 60.0)], 100, start_nm=-3)
 
 
+@cache
 def service(seed: int) -> Motion:
     """A random minute."""
     return move(VEHICLE, plan(VEHICLE, 60, np.random.default_rng(seed)), 100)
