@@ -473,6 +473,7 @@ def test_simulated_receivers_obey_the_law_and_are_guarded(seed: int) -> None:
     assert sum(bool(step.outputs["passed"]) for step in trace.steps) > 20
 
 
+@pytest.mark.thorough
 def test_shipped_streams_show_doubt_and_recovery() -> None:
     """In the recordings that ship every transition fires."""
     target = load_target("guard")
