@@ -1,7 +1,8 @@
 """The guard on recorded trains: python -m benchmarks.guard_recorded ../shared/data
 
 First each log as it was recorded, on the way that the train took and on the whole network: what was passed on, what was
-withheld and why, how many fixes a second. Then the clean logs with spells of another receiver's fault put in: for some
+withheld and why, how many fixes a second. Then each log on every other way over the network along which a hundred fixes or more
+are passed on: whether the way was told to be doubtful, and how many fixes beside the true way were passed on before that. Then the clean logs with spells of another receiver's fault put in: for some
 fixes the position of some seconds before is told, on the track and at a plausible speed. What was recorded there counts as
 the truth; an interval that misses it is wrong.
 """
@@ -12,7 +13,7 @@ import csv
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
@@ -26,7 +27,8 @@ from safeloc.railway.guard.streams import csv_deliveries
 from safeloc.railway.guard.tracks import Tracks
 from safeloc.railway.map.imports.geojson import read_geojson
 from safeloc.railway.map.imports.geojson_path import read_path, route_over
-from safeloc.railway.map.routes import Route
+from safeloc.railway.map.projection import Projector
+from safeloc.railway.map.routes import Route, through_routes
 from safeloc.railway.map.topology import Topology
 
 PATHS = {
@@ -36,6 +38,9 @@ PATHS = {
 }
 EDGES_31259 = ["5916", "2026", "7855", "7818", "9754", "5831", "2013", "9755", "2014", "7819", "7154", "9422", "1388"]
 CLEAN = ("28876", "31176")
+MOST_WAYS, LEAST_PASSED = 4_000, 100
+TWO_WAYS = ("28586",)
+"""It is not known over which of two tracks the train ran."""
 SPELLS, DELAYS, ROWS, RUNS = (1, 4, 8, 20, 50), (5, 12, 25, 50), (2, 5, 10), 12
 
 
@@ -79,6 +84,36 @@ def as_recorded(one: Recording, config: GuardConfig, *, known: bool) -> list[str
     foreign = sum(each.passed and each.place is not None and each.place.edge not in edges for each in found)
     reasons = ", ".join(f"{reason} {number}" for reason, number in Counter(each.reason for each in found).most_common())
     return [one.name, "known" if known else "open", reasons, str(foreign), f"{rate:.0f}"]
+
+
+def other_ways(one: Recording) -> Iterator[Route]:
+    """Every way over the network that runs nowhere against the train, once for all that differ only where no fix lies."""
+    true = {run.edge for run in one.route.runs}
+    tracks = Projector(one.topology.line)
+    places = [(fix.x, fix.y) for fix in one.fixes[::10] if fix.x is not None and fix.y is not None]
+    near = {each.place.edge for x, y in places for each in tracks.near(x, y, 10_000)}
+    seen: set[frozenset[str]] = set()
+    for route in through_routes(one.topology, MOST_WAYS):
+        against = any(run.edge in true and run not in one.route.runs for run in route.runs)
+        met = frozenset(run.edge for run in route.runs) & near
+        if not against and not met >= true & near and met not in seen:
+            seen.add(met)
+            yield route
+
+
+def on_another_way(one: Recording, config: GuardConfig) -> list[object]:
+    """A row of the table on wrong ways: ways, of them with fixes beside the true way, told as doubtful, most fixes there before and in all."""
+    true, tried, beside, told, before, most = {run.edge for run in one.route.runs}, 0, 0, 0, 0, 0
+    for route in other_ways(one):
+        found = [each for each in replace(one, route=route).guarded(one.fixes, config) if each.passed]
+        if len(found) < LEAST_PASSED:
+            continue
+        off = [number for number, each in enumerate(found) if each.place is not None and each.place.edge not in true]
+        doubts = [number for number, each in enumerate(found) if each.beside is not None and each.beside.doubtful]
+        first = doubts[0] if doubts else len(found)
+        tried, beside, told = tried + 1, beside + (len(off) > 0), told + (len(doubts) > 0)
+        before, most = max(before, sum(number < first for number in off)), max(most, len(off))
+    return [one.name, tried, beside, told, before, most]
 
 
 def delayed(fixes: Sequence[Delivery], begin: int, spell: int, delay: int) -> list[Delivery]:
@@ -125,6 +160,10 @@ def main(data: str) -> None:
     table.writerow(["log", "way", "deliveries", "on a track beside the way", "fixes a second"])
     for way in (True, False):
         table.writerows(as_recorded(one, config, known=way) for one in known.values())
+    table.writerow(
+        ["log", "other ways", "with fixes beside the true way", "told as doubtful", "most such fixes before", "in all"]
+    )
+    table.writerows(on_another_way(one, config) for one in known.values() if one.name not in TWO_WAYS)
     table.writerow(["log", "row", "spell of late fixes", "runs with a wrong interval", "wrong", "intervals"])
     for row in ROWS:
         chosen = config.model_copy(update={"confirmations": row})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, abs_, any_of, before, floor_div, ite, minimum, was
+from safeloc.language.expr import Bool, Num, abs_, all_of, any_of, before, floor_div, ite, minimum, was
 from safeloc.language.spec import Property, always
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.fibre import CODE, COUNTS, Fibre
@@ -99,11 +99,12 @@ def _turned_back(model: Fibre) -> Iterator[Property]:
 
 
 def _words(model: Fibre) -> Iterator[Property]:
-    """Claim that a whole word gives the place."""
-    machine, own = model.machine, model.own
+    """Claim that a whole word gives the place, and nothing less."""
+    machine, own, seen = model.machine, model.own, Seen(model.own)
     _, counting, located, _ = machine.modes
     mode, was_counting = machine.mode, before(machine.mode).eq(counting)
     window = own.config.window
+    was_normal = before(own.band).eq(v.NORMAL)
     taken = own.edge.eq(own.word_position) & own.sections_counted.eq(own.word_count)
     yield for_all_inputs(
         "a code word is complete",
@@ -112,6 +113,13 @@ def _words(model: Fibre) -> Iterator[Property]:
         ),
         statement="the code gives a place only when as many symbols were read as make a window of the line unique, and the "
         "place is the map's answer",
+    )
+    whole = all_of([was_counting, own.word_found, before(own.read).eq(window), was_normal, seen.normal, ~seen.lost])
+    yield for_all_inputs(
+        "a complete word gives the place",
+        whole.implies(mode.eq(located)),
+        statement="beside a section, the end is located in the cycle in which the map has the complete word, whatever its direction, its count and the "
+        "kinds of its sections; unless its pattern is lost in that cycle",
     )
 
 

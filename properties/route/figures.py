@@ -28,6 +28,11 @@ def carried(model: Route) -> Bool:
     return model.machine.mode.one_of(undecided, decided)
 
 
+def given_up(model: Route) -> Bool:
+    """Return whether the machine stops reporting in a cycle without a new start."""
+    return earlier_bool(carried(model)) & ~model.own.start_error.present & ~carried(model)
+
+
 def bounds(model: Route, route: Hypothesis) -> tuple[Num, Num]:
     """Return the ends of the reported interval along the route, nm."""
     low, high = (model.machine.output(f"route_{route.number}_{end}_mm") for end in ("low", "high"))

@@ -1,14 +1,15 @@
-"""Reasons for which a route is given up, and for which it is not; and the change of its interval."""
+"""Reasons for which a route is given up, or all of them are, and for which they are not; and the change of its interval."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
 
+from safeloc.language.expr import Bool, all_of, any_of
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.models.route import Route
-from safeloc.models.route.variables import Hypothesis, Parts
-from safeloc.properties.route.figures import REQUIREMENTS, CycleEvidence, carried, ran
+from safeloc.models.route.variables import SENSOR_FAILURE, TOLERANCE, Hypothesis, Parts
+from safeloc.properties.route.figures import LAW, REQUIREMENTS, CycleEvidence, carried, given_up, ran
 
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
@@ -19,6 +20,7 @@ def refutation(model: Route) -> Iterator[Property]:
         evidence = CycleEvidence(model.own, route)
         yield from _possible(model, evidence)
         yield from _interval(model.own, route, evidence)
+    yield from _all_given_up(model)
 
 
 def _possible(model: Route, evidence: CycleEvidence) -> Iterator[Property]:
@@ -52,6 +54,38 @@ def _possible(model: Route, evidence: CycleEvidence) -> Iterator[Property]:
         (evidence.went_on & evidence.turned_away).implies(~route.possible),
         statement="a turn that is seen refutes each route that takes another course there",
     )
+
+
+def _all_given_up(model: Route) -> Iterator[Property]:
+    """Yield the properties of a cycle in which the machine gives all routes up, neither for a width nor for a silent odometer."""
+    own, begun = model.own, model.own.start_error.present
+    contradicted = given_up(model) & own.reason.ne(TOLERANCE) & own.reason.ne(SENSOR_FAILURE)
+    yield for_all_inputs(
+        "all routes are given up only where none is left",
+        contradicted.implies(all_of(_refuted(CycleEvidence(own, route)) for route in own.routes)),
+        statement="for no other reason than its width or a silent odometer the machine gives all routes up, unless each that was possible is refuted by "
+        "what is seen in that cycle",
+    )
+    named = any_of(route.reflector.present | route.other_in_view for route in own.routes)
+    yield always(
+        "what the map knows gives no route up",
+        contradicted.implies(~CycleEvidence(own, own.routes[0]).unseen & ~named),
+        statement="the true route is given up with all others only in a cycle in which a reflector is sighted of whose model the map has none in view of "
+        "any route, for its width, or for a silent odometer",
+        requirements=REQUIREMENTS,
+        assumption=LAW,
+    )
+    yield for_all_inputs(
+        "a start with a route is carried",
+        begun.implies(carried(model).iff(any_of(route.candidate for route in own.routes))),
+        statement="in the cycle of a start the machine reports routes exactly if any begins there",
+    )
+
+
+def _refuted(evidence: CycleEvidence) -> Bool:
+    """Return whether a route was impossible before, or what is seen refutes it."""
+    seen = evidence.never_there & ~evidence.silent
+    return ~earlier_bool(evidence.route.possible) | evidence.turned_away | seen
 
 
 def _interval(own: Parts, route: Hypothesis, evidence: CycleEvidence) -> Iterator[Property]:

@@ -15,7 +15,7 @@ from safeloc.models.vocabulary.absent import NO_POSITION_MM
 from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.no_interval import no_interval
-from safeloc.properties.route.figures import REQUIREMENTS, CycleEvidence, bounds, carried, ran
+from safeloc.properties.route.figures import REQUIREMENTS, CycleEvidence, bounds, carried, given_up, ran
 
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 
@@ -66,7 +66,7 @@ def _wide(model: Route) -> Iterator[Property]:
         statement="no reported interval is wider than twice the tolerable error",
         requirements=("RFL-D6", "RFL-D1"),
     )
-    lost = _given_up(model) & own.reason.eq(TOLERANCE)
+    lost = given_up(model) & own.reason.eq(TOLERANCE)
     yield for_all_inputs(
         "given up for its width only where it may be too wide",
         lost.implies(any_of(_may_be_too_wide(own, CycleEvidence(own, route)) for route in own.routes)),
@@ -74,11 +74,6 @@ def _wide(model: Route) -> Iterator[Property]:
         "reach beyond the line",
         requirements=("RFL-D6", "RFL-D1"),
     )
-
-
-def _given_up(model: Route) -> Bool:
-    """Return whether the machine stops reporting in a cycle without a new start."""
-    return earlier_bool(carried(model)) & ~model.own.start_error.present & ~carried(model)
 
 
 def _may_be_too_wide(own: Parts, evidence: CycleEvidence) -> Bool:

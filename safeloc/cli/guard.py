@@ -23,6 +23,7 @@ from safeloc.railway.guard.figures import find_vehicle, guard_config
 from safeloc.railway.guard.guard import Guard, Judgement
 from safeloc.railway.guard.inputs import Way, deliveries, form_of, line_of, opened, route_of
 from safeloc.railway.guard.judgement_data import SCHEMA, as_data
+from safeloc.railway.guard.other_way import doubt
 from safeloc.railway.guard.tracks import Tracks
 from safeloc.railway.map.projection import WGS84
 from safeloc.report.folder import usable
@@ -85,10 +86,10 @@ def guard(
     kept: list[Judgement] = []
     with opened(stream) as lines, _target(where) as target:
         judgements = made.judge_all(deliveries(lines, kind, columns, sentence, stream))
-        counts = _written(judgements, target, kept if report is not None else None)
+        counts, doubtful = _written(judgements, target, kept if report is not None else None)
     if report is not None:
         err.print(f"report: {write_guard_folder(report, kept, made.tracks, figures, stream)}", markup=False)
-    _summary(counts, as_json=as_json, to_stderr=where is None)
+    _summary(counts, doubtful, as_json=as_json, to_stderr=where is None)
     raise typer.Exit(0 if counts["PASSED"] else _NOTHING_PASSED)
 
 
@@ -98,16 +99,26 @@ def _config(vehicle: str | None, file: Path | None) -> GuardConfig:
     return guard_config(None if vehicle is None else find_vehicle(vehicle), chosen)
 
 
-def _written(judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None) -> Counter[str]:
-    """Write each judgement at once and count the reasons; all judgements are appended to `kept`, if it is given."""
+def _written(
+    judgements: Iterable[Judgement], target: IO[str], kept: list[Judgement] | None
+) -> tuple[Counter[str], int]:
+    """Write each judgement at once; count the reasons, and the fixes at which the way is doubtful, with a warning at the first.
+
+    All judgements are appended to `kept`, if it is given.
+    """
     counts: Counter[str] = Counter()
+    doubtful = 0
     for judgement in judgements:
         target.write(json.dumps(as_data(judgement)) + "\n")
         target.flush()
         counts[judgement.reason] += 1
+        if judgement.beside is not None and judgement.beside.doubtful:
+            doubtful += 1
+            if doubtful == 1:
+                err.print(f"warning: line {judgement.delivery.number}: {doubt(judgement.beside)}", markup=False)
         if kept is not None:
             kept.append(judgement)
-    return counts
+    return counts, doubtful
 
 
 @contextmanager
@@ -123,9 +134,11 @@ def _target(where: Path | None) -> Iterator[IO[str]]:
         yield file
 
 
-def _summary(counts: Counter[str], *, as_json: bool, to_stderr: bool) -> None:
+def _summary(counts: Counter[str], doubtful: int, *, as_json: bool, to_stderr: bool) -> None:
     if as_json:
-        print_json({"schema": SCHEMA, "deliveries": counts.total(), "reasons": dict(counts.most_common())})
+        told = {"deliveries": counts.total(), "reasons": dict(counts.most_common()), "way_doubtful": doubtful}
+        print_json({"schema": SCHEMA, **told})
         return
     reasons = ", ".join(f"{reason} {number}" for reason, number in counts.most_common())
-    (err if to_stderr else out).print(f"{counts.total()} deliveries: {reasons or 'none'}", markup=False)
+    way = f"; the way is doubtful at {doubtful} of those passed on" if doubtful else ""
+    (err if to_stderr else out).print(f"{counts.total()} deliveries: {reasons or 'none'}{way}", markup=False)

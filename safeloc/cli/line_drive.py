@@ -11,6 +11,7 @@ import typer
 from safeloc.cli.console import err
 from safeloc.cli.options import direction
 from safeloc.errors import InputError
+from safeloc.railway.guard.other_way import doubt
 from safeloc.railway.guard.recorded_train import equipped, recorded_train
 from safeloc.railway.map.imports.geojson import read_geojson
 from safeloc.railway.map.imports.geojson_path import read_path, route_over
@@ -54,6 +55,8 @@ def drive(
     trust, reading = Trust(offset_limit_mm, max_speed_mm_s), Reading(length_mm, accuracy_mm)
     train = recorded_train(log, route, trust, reading, _accuracies(satellites or []))
     write_records(where, train.records)
+    if train.doubt is not None:
+        err.print(f"warning: at {train.doubtful} fixes the route is doubtful: {doubt(train.doubt)}", markup=False)
     err.print(
         f"{train.fixes} fixes, {train.near} near the track, {train.trusted} of them trusted by the guard, "
         f"{train.balises} balise readings: {where}",

@@ -53,6 +53,7 @@ def guard_page(judgements: Sequence[Judgement], tracks: Tracks, config: GuardCon
         name=name,
         total=len(judgements),
         passed=counts.get("PASSED", 0),
+        doubtful=sum(one.beside is not None and one.beside.doubtful for one in judgements),
         line=tracks.topology.line.name,
         rows=[(reason, WORDS[reason], number) for reason, number in counts.items()],
         map=Markup(_map(judgements, tracks, f"map of {name}")),

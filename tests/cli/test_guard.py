@@ -10,7 +10,10 @@ from typing import Any
 import pytest
 
 from safeloc.models.guard.positions import FOLDER
+from safeloc.railway.map.toml_files import to_toml
 from tests.cli.calling import Call
+from tests.railway.guard.made import CRS
+from tests.railway.guard.test_other_way import BESIDE_M, double
 
 pytest.importorskip("shapely")
 pytest.importorskip("pyproj")
@@ -73,6 +76,28 @@ def test_files_and_counts(call: Call, tmp_path: Path) -> None:
     assert counts["reasons"]["PASSED"] == sum(row["passed"] for row in objects(out.read_text(encoding="utf-8")))
     assert out.read_text(encoding="utf-8") == (folder / "judgements.jsonl").read_text(encoding="utf-8")
     assert (folder / "index.html").is_file()
+
+
+def test_a_way_that_is_not_the_true_one(call: Call, tmp_path: Path) -> None:
+    """The branch is given and the main line run, 4 m beside it: a warning at the first fix that makes it doubtful, and counts; nothing is withheld."""
+    line, stream, out = tmp_path / "line.toml", tmp_path / "run.csv", tmp_path / "out.jsonl"
+    line.write_text(to_toml(double()), encoding="utf-8")
+    rows = [f"{second},{20 + 11 * second},{BESIDE_M}" for second in range(80)]
+    stream.write_text("\n".join(["timestamp,longitude,latitude", *rows]) + "\n", encoding="utf-8")
+    given = ("--edges", "stem,main", "--crs", CRS, "--time-unit", "s", "--vehicle", "metro")
+    called = call(
+        "guard", str(line), str(stream), *given, "--out", str(out), "--json", "--report", str(tmp_path / "page")
+    )
+    told = objects(out.read_text(encoding="utf-8"))
+    first = next(one for one in told if one["beside"] and one["beside"]["doubtful"])
+    assert f"warning: line {first['line']}: 11 of the last 11 fixes" in called.err
+    assert called.err.count("warning") == 1
+    counts = json.loads(called.out)
+    assert counts["way_doubtful"] == sum(one["beside"]["doubtful"] for one in told if one["beside"]) > 10
+    assert counts["reasons"]["PASSED"] + counts["reasons"]["UNCONFIRMED"] == 80
+    assert "The given way is doubtful at" in (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
+    plain = call("guard", str(line), str(stream), *given, "--out", str(out))
+    assert f"; the way is doubtful at {counts['way_doubtful']} of those passed on" in plain.out
 
 
 def test_nmea(call: Call) -> None:

@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from safeloc.railway.map.toml_files import to_toml
 from safeloc.runtime.streams.record_files import read_records
 from safeloc.runtime.streams.records import MarkerRecord, TruthRecord
 from tests.cli.calling import Call
 from tests.data_sources import data_file
+from tests.railway.guard.made import CRS
+from tests.railway.guard.test_other_way import BESIDE_M, double
 from tests.railway.map.imports.test_geojson import SWITCH
 from tests.railway.map.recorded_trains import EDGES_31259, PATHS
 
@@ -54,6 +57,25 @@ def test_a_train_over_a_switch(call: Call, network: str, log: str, tmp_path: Pat
     markers = [record.marker for record in records if isinstance(record, MarkerRecord)]
     assert [500_004, 500_005, 500_006, 1, 500_013, 2, 500_015] == markers
     assert 7 == sum(isinstance(record, TruthRecord) for record in records)
+
+
+def test_a_train_on_another_way_than_the_given_one(call: Call, tmp_path: Path) -> None:
+    """All of its fixes are trusted, since the receiver alone tells no track; but the route is told to be doubtful, with figures."""
+    line, log, where = tmp_path / "line.toml", tmp_path / "log.csv", tmp_path / "run.jsonl"
+    line.write_text(to_toml(double()), encoding="utf-8")
+    degrees = pytest.importorskip("pyproj").Transformer.from_crs(CRS, "EPSG:4326", always_xy=True)
+    for aside, doubted in ((BESIDE_M, True), (0.0, False)):
+        places = [degrees.transform(20 + 11 * second, aside) for second in range(80)]
+        rows = [f"2026-01-01T00:{n // 60:02}:{n % 60:02},{x:.9f},{y:.9f},A" for n, (x, y) in enumerate(places)]
+        log.write_text(HEADING + "\n".join(rows) + "\n", encoding="utf-8")
+        called = call(
+            "drive", str(line), str(log), "--edges", "stem,main", "--max-speed-mm-s", "30000", "--out", str(where)
+        )
+        assert called.code == 0
+        assert "80 fixes, 80 near the track, 76 of them trusted by the guard" in called.err
+        warned = "warning: at 56 fixes the route is doubtful: 11 of the last 11 fixes that were passed on"
+        assert (warned in called.err) == doubted
+        assert ("warning" in called.err) == doubted
 
 
 @pytest.mark.parametrize(

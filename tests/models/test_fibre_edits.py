@@ -17,6 +17,7 @@ from safeloc.models.fibre.cycle import Cycle
 from safeloc.models.fibre.variables import Parts
 from safeloc.properties.fibre import properties
 from tests.models.edited_terms import edited, keeps
+from tests.models.inductive import changed
 
 CONFIG = FibreConfig()
 READ_MM = CONFIG.read_tolerance_mm
@@ -144,3 +145,16 @@ def test_a_wrong_output_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -
     assert [] == [claim for claim in claims if not keeps(made(), claim)]
     monkeypatch.setattr(fibre, "_outputs", lambda own, *rest: {**right(own, *rest), name: wrong(own)})
     assert [] == [claim for claim in claims if keeps(made(), claim)]
+
+
+@pytest.mark.parametrize("edit", ["upwards", "a count that is not negative"])
+def test_a_word_that_is_not_taken_is_noticed(edit: str) -> None:
+    """A machine that is located by no word read downwards, or below the place where it began to count, gives no wrong place."""
+    model = build(parts(CONFIG))
+    own, claims = model.own, properties(model)
+    only = {"upwards": own.upwards, "a count that is not negative": own.sections_counted >= 0}[edit]
+    [row] = [one for one in model.machine.transitions if one.name == "code word found"]
+    wrong = changed(model.machine, row.name, when=row.when & only)
+    assert keeps((model.machine, claims), "a complete word gives the place")
+    assert not keeps((wrong, claims), "a complete word gives the place")
+    assert keeps((wrong, claims), "a code word is complete")

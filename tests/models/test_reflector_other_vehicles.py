@@ -17,7 +17,8 @@ from safeloc.language.spec import Property, always
 from safeloc.models.reflector import ReflectorMachine, build, echo
 from safeloc.models.reflector.variables import parts
 from safeloc.models.vocabulary.reflectors import NO_MODEL
-from safeloc.properties.reflector.figures import LAW, strong, was
+from safeloc.properties.reflector import properties
+from safeloc.properties.reflector.figures import strong, was
 from tests.models.edited_terms import edited, keeps
 from tests.models.test_reflector_edits import CONFIG, showing
 
@@ -39,15 +40,9 @@ def of_others(model: ReflectorMachine) -> list[Bool]:
 
 
 def claim(model: ReflectorMachine) -> Property:
-    """In a cycle in which other vehicles hide every reflector, whatever they send, nothing is measured."""
-    hidden = ~any_of(of_reflectors(model))
-    return always(
-        CLAIM,
-        hidden.implies(~model.own.recognised_now),
-        statement="with every reflector hidden, however strong the echoes of other vehicles are, no reflector is recognised",
-        requirements=("RFL-15",),
-        assumption=LAW,
-    )
+    """In a cycle in which other vehicles hide every reflector, whatever they send, nothing is measured: one of the claims that ship."""
+    [found] = [one for one in properties(model) if one.name == CLAIM]
+    return found
 
 
 def hidden_in_view(model: ReflectorMachine) -> Bool:

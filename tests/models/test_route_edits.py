@@ -6,21 +6,25 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.language.expr import FALSE, TRUE, Bool, Num, as_num, exact_to
+from safeloc.language.expr import FALSE, TRUE, Bool, Num, all_of, any_of, as_num, exact_to
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.units import MM, NM
 from safeloc.models.route import build
 from safeloc.models.route.cycle import Bounded, Cycle
-from safeloc.models.route.variables import RouteConfig, parts
+from safeloc.models.route.variables import Parts, RouteConfig, parts
 from safeloc.models.vocabulary.odometer import Odometer
+from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.route import properties
 from tests.models.edited_terms import edited, keeps
+from tests.models.inductive import changed
 
 CONFIG = RouteConfig(routes=2)
 HAS_NOT = "route 1 is given up where a reflector is sighted that it does not have"
 ONLY_SEEN = "route 1 is refuted only by what is seen"
 TRUE_ROUTE = "the true route is carried"
+NONE_LEFT, ON_THE_MAP = "all routes are given up only where none is left", "what the map knows gives no route up"
+STARTED = "a start with a route is carried"
 
 
 def made() -> tuple[Machine, list[Property]]:
@@ -98,3 +102,40 @@ def test_a_wrong_edit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> 
     assert keeps(made(), claim)
     edited(monkeypatch, owner, name, wrong)
     assert not keeps(made(), claim)
+
+
+def _doubtful(own: Parts) -> Bool:
+    """Two routes are possible, and what is sighted may stand beside another track."""
+    elsewhere = any_of(route.other_in_view for route in own.routes) & ~own.sighting_by_own_track
+    return all_of(route.possible for route in own.routes) & own.sighting_range.present & elsewhere
+
+
+def _unrecognised(own: Parts) -> Bool:
+    """One route is decided, and what is sighted shows no model."""
+    first, second = own.routes
+    return all_of([own.sighting_range.present, own.sighting_model.eq(NO_MODEL), first.possible, ~second.possible])
+
+
+def _many(own: Parts) -> Bool:
+    """Several routes begin at the start."""
+    return own.start_error.present & all_of(route.candidate for route in own.routes)
+
+
+ROWS: dict[str, tuple[str, Callable[[Parts], Bool], tuple[str, ...]]] = {
+    "another track's reflector ends an undecided route": ("no route fits", _doubtful, (NONE_LEFT, ON_THE_MAP)),
+    "an unknown model ends a decided route": ("no route fits", _unrecognised, (NONE_LEFT, ON_THE_MAP)),
+    "two routes at a start are none": ("start without a route", _many, (STARTED,)),
+}
+
+
+@pytest.mark.thorough(ordinary=3)
+@pytest.mark.parametrize("edit", ROWS)
+def test_a_machine_that_gives_every_route_up_is_noticed(edit: str) -> None:
+    """It keeps every claim that speaks of a machine which carries routes: then no route is false, and the true one is given up as well."""
+    name, more, claims = ROWS[edit]
+    model = build(parts(CONFIG))
+    [row] = [one for one in model.machine.transitions if one.name == name]
+    wrong = changed(model.machine, name, when=row.when | more(model.own))
+    assert [] == [claim for claim in claims if not keeps(made(), claim)]
+    assert [] == [claim for claim in claims if keeps((wrong, properties(model)), claim)]
+    assert keeps((wrong, properties(model)), TRUE_ROUTE)

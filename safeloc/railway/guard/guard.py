@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from safeloc.codegen.compiled import Compiled, compile_system
@@ -20,6 +20,7 @@ from safeloc.models.guard import build
 from safeloc.models.guard.variables import FARTHEST_OFF_MM, FAULT, JUDGED, GuardConfig, parts
 from safeloc.railway.guard.course import Courses
 from safeloc.railway.guard.deliveries import Delivery
+from safeloc.railway.guard.other_way import Beside, OtherWay
 from safeloc.railway.guard.tracks import Match, Tracks, Window
 from safeloc.railway.map.places import Place
 from safeloc.runtime.border import Deliveries, Raw, Reason
@@ -43,6 +44,7 @@ class Judgement:
     window_mm         the same, also if wider; None while no position is held
     position_mm, offset_mm, place   place of the fix on the map; None without a fix
     ends              places of the interval's ends; None if more than one track leads there
+    beside            of a fix that is passed on along a given way: how many of the last ones lie nearer to a track off it
     detail            further details of the reason, in words
     """
 
@@ -57,6 +59,7 @@ class Judgement:
     offset_mm: int | None = None
     place: Place | None = None
     ends: tuple[Place | None, Place | None] = (None, None)
+    beside: Beside | None = None
     detail: str = ""
 
 
@@ -72,7 +75,7 @@ class Guard:
         self._code = _code(config.model_dump_json())
         self._state = self._code.first()
         self._idle = self._code.read(self._inputs(advance=True))
-        self._courses = Courses(config, tracks)
+        self._courses, self._other_way = Courses(config, tracks), OtherWay(tracks)
         self._deliveries = Deliveries()
         self._now_ms: int | None = None
         self._at_ms: int | None = None
@@ -88,6 +91,7 @@ class Guard:
         """
         self._state, _ = self._code.step(self._state, self._code.read(self._inputs(start_anew=True)))
         self._courses.forget()
+        self._other_way.forget()
 
     def judge_all(self, deliveries: Iterable[Delivery]) -> Iterator[Judgement]:
         """Yield a judgement for each delivery as it arrives."""
@@ -206,7 +210,12 @@ class Guard:
         self._state, numbers = self._code.step(self._state, self._code.read(inputs))
         (fired,) = self._code.fired(numbers).values()
         self._remember(match, fired)
-        return self._judgement(delivery, match, "")
+        judgement = self._judgement(delivery, match, "")
+        return replace(judgement, beside=self._beside(delivery, match)) if judgement.passed else judgement
+
+    def _beside(self, delivery: Delivery, match: Match) -> Beside | None:
+        assert delivery.x is not None and delivery.y is not None
+        return self._other_way.passed(delivery.x, delivery.y, match.position_mm, match.offset_mm)
 
     def _judgement(self, delivery: Delivery, match: Match | None, detail: str) -> Judgement:
         outputs = self._code.named_outputs(self._state)
@@ -229,7 +238,7 @@ class Guard:
             None if match is None else match.offset_mm,
             None if match is None else match.place,
             (None, None) if interval is None else (self.tracks.place(interval[0]), self.tracks.place(interval[1])),
-            detail,
+            detail=detail,
         )
 
     def _inputs(self, **given: Value) -> dict[str, Value]:

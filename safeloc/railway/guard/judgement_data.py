@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from safeloc.railway.guard.guard import Judgement
+from safeloc.railway.guard.other_way import Beside
 from safeloc.railway.map.places import Place
 
 SCHEMA = "safeloc-guard/1"
@@ -18,6 +19,8 @@ def as_data(judgement: Judgement) -> dict[str, Any]:
     position  for a fix that is passed on: edge, place on it, position along the way, distance off the track (mm)
     withheld  the same for a fix that is withheld; no consumer should use it
     interval  the vehicle's interval along the way at `at_ms`, with the places of its ends; None while unknown
+    beside    of a fix that is passed on along a given way with other tracks on the map: how many of the last fixes beside
+              another track lie nearer to it than to the way, and whether the way is doubtful for that; else None
     """
     located = _located(judgement)
     return {
@@ -29,6 +32,7 @@ def as_data(judgement: Judgement) -> dict[str, Any]:
         "position": located if judgement.passed else None,
         "interval": _interval(judgement),
         "withheld": None if judgement.passed else located,
+        "beside": _beside(judgement.beside),
         "flag": judgement.delivery.flag,
         "detail": judgement.detail,
     }
@@ -47,6 +51,10 @@ def _interval(judgement: Judgement) -> dict[str, Any] | None:
     low, high = judgement.interval_mm
     begin, end = (None if place is None else _place(place) for place in judgement.ends)
     return {"at_ms": judgement.at_ms, "min_mm": low, "max_mm": high, "from": begin, "to": end}
+
+
+def _beside(beside: Beside | None) -> dict[str, Any] | None:
+    return None if beside is None else {"fixes": beside.fixes, "nearer": beside.nearer, "doubtful": beside.doubtful}
 
 
 def _place(place: Place) -> dict[str, Any]:

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from safeloc.railway.guard.believed import believed_times
+from safeloc.railway.guard.believed import believed
+from safeloc.railway.guard.other_way import Beside
 from safeloc.railway.map.placing import with_balise_groups
 from safeloc.railway.map.recorded_run import (
     Reading,
@@ -34,13 +35,15 @@ _FIRST_FIX_IDENTITY = 500_000
 @dataclass(frozen=True)
 class RecordedTrain:
     """The records of a recorded train, in order of time, with counts: all fixes, those near the track, those trusted by
-    the guard, and balise readings."""
+    the guard, balise readings, and fixes that the guard passed on while the route was doubtful, with what made it so first."""
 
     records: tuple[Record, ...]
     fixes: int
     near: int
     trusted: int
     balises: int
+    doubtful: int = 0
+    doubt: Beside | None = None
 
 
 def equipped(route: Route, spacing_mm: int | None, at_mm: Iterable[int], accuracy_mm: int) -> Route:
@@ -65,8 +68,8 @@ def recorded_train(
     """
     fixes = read_fixes(log)
     placed = on_route(fixes, route)
-    believed = believed_times(fixes, route, max_speed_mm_s=trust.max_speed_mm_s)
-    trusted = trusted_times([fix for fix in placed if fix.time_ms in believed], trust)
+    passed = believed(fixes, route, max_speed_mm_s=trust.max_speed_mm_s)
+    trusted = trusted_times([fix for fix in placed if fix.time_ms in passed.times], trust)
     balises = list(balise_records(placed, route, reading, trusted))
     records = in_order(
         balises,
@@ -75,4 +78,4 @@ def recorded_train(
         truth_records(placed, trusted),
     )
     near = sum(abs(fix.offset_mm) <= trust.offset_limit_mm for fix in placed)
-    return RecordedTrain(tuple(records), len(placed), near, len(trusted), len(balises))
+    return RecordedTrain(tuple(records), len(placed), near, len(trusted), len(balises), passed.doubtful, passed.doubt)

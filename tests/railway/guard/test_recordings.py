@@ -233,3 +233,46 @@ def test_nmea_says_the_same() -> None:
     found = guarded(line, route, list(nmea_deliveries(nmea_text().splitlines())))
     one, other = ({each.delivery.time_ms for each in each_ if each.passed} for each_ in (found, made_up()))
     assert one == other
+
+
+# ------------------------------------------------------------------ another way than the true one
+
+
+NEIGHBOURS = {
+    "28876": (16908, 2016, 5900, 11648, 127, 9748),
+    "31176": (24041, 6041, 11968, 11885, 7137, 109, 3956, 5898, 13697, 2011, 2010, 7815, 9751, 3992, 127, 126, 9749),
+    "31259": (5916, 2026, 7855, 7818, 9754, 5831, 2013, 9755, 2014, 7819, 7154, 5589, 18686),
+    "29083": (5916, 2026, 42, 111, 2094, 1932),
+}
+"""Ways that the trains did not take, and along which many fixes are passed on."""
+
+
+def most_beside(judgements: list[Judgement] | tuple[Judgement, ...]) -> tuple[int, int]:
+    """The most fixes of the last 20 that are nearer to a track off the way, and at how many fixes the way is doubtful."""
+    told = [one.beside for one in judgements if one.beside is not None]
+    return max(one.nearer for one in told), sum(one.doubtful for one in told)
+
+
+@pytest.mark.parametrize("log", LOGS)
+def test_the_way_that_a_train_took_is_not_doubtful(log: str) -> None:
+    """However the receiver drifts at a stop, or goes astray and is withheld."""
+    most, doubtful = most_beside(recorded(log))
+    assert most <= 6
+    assert doubtful == 0
+
+
+@pytest.mark.parametrize("log", LOGS)
+def test_a_way_that_a_train_did_not_take_is_doubtful(log: str) -> None:
+    """The fixes are believed along it, and nearly all of the last ones lie nearer to another track."""
+    route = route_over([f"88_L_{number}" for number in NEIGHBOURS[log]], Topology(network()))
+    most, doubtful = most_beside(guarded(network(), route, list(deliveries_of(log))))
+    assert most == 20
+    assert doubtful > 20
+
+
+def test_of_two_possible_ways_one_is_doubtful() -> None:
+    """The train of log 28586 ran over the left or the middle track; its fixes say the middle one."""
+    told = {}
+    for name, way in WAYS_28586.items():
+        told[name] = most_beside(guarded(network(), route_over(way, Topology(network())), list(deliveries_of("28586"))))
+    assert told == {"left": (17, 102), "middle": (8, 0)}
