@@ -50,10 +50,11 @@ class Deepening:
         if not self.stuck:
             return model
         found = run_by_machines(self._unrolling.system, [*self._solver.assertions(), condition], ends, seed)
-        if found == "unknown":
+        if isinstance(found, str):
+            self.stuck = "" if found == "none" else self.stuck
             return None
         self.stuck = ""
-        return None if found == "none" else found
+        return found
 
     def run_anew(self, condition: z3.BoolRef, ends: Deadline, solver: z3.Solver) -> z3.ModelRef | None:
         """Do as `run`, in a new solver: quicker where the one that has been asked before gets lost."""

@@ -63,21 +63,21 @@ class _Run:
     def model(self) -> z3.ModelRef | Literal["none", "unknown"]:
         for number in range(len(self._parts)):
             answer = self._found(number)
-            if answer is not True:
+            if answer != "found":
                 return answer
         solver = plain_solver(self._seed)
         solver.add(*self._all, *(self._equal(one) for one in self._values))
         return solver.model() if ask(solver, self._ends.left) == z3.sat else "unknown"
 
-    def _found(self, number: int) -> Literal[True, "none", "unknown"]:
-        """Find values for the machine of this number; True if there are some."""
+    def _found(self, number: int) -> Literal["found", "none", "unknown"]:
+        """Find values for the machine of this number."""
         if not self._parts[number]:
-            return True
+            return "found"
         for again in _AGAIN:
             first = max(0, number - again)
             answer = self._asked(first, number)
             if answer == z3.sat:
-                return True
+                return "found"
             if answer == z3.unknown:
                 return "unknown"
             if first == 0:
@@ -140,5 +140,5 @@ def _flat(conditions: Sequence[z3.BoolRef]) -> list[Any]:
     """Return the conditions, conjunct by conjunct, with the values that some of them state put into the others."""
     goal = z3.Goal()
     goal.add(*conditions)
-    [done] = z3.Tactic("propagate-values")(goal)
-    return [done[number] for number in range(len(done))]
+    done: Any = z3.Tactic("propagate-values")(goal)
+    return [term for one in range(len(done)) for term in map(done[one].get, range(done[one].size()))]

@@ -7,6 +7,7 @@ import z3
 
 from benchmarks.composed_line import composed_target
 from safeloc.codegen.smt import Unrolling
+from safeloc.language.expr import NumVar
 from safeloc.language.spec import Goal, observe, reachable
 from safeloc.proof.provers import deepening
 from safeloc.proof.provers.asking import new_solver
@@ -55,5 +56,6 @@ def test_the_search_goes_on_machine_by_machine(line: Goal, monkeypatch: pytest.M
     assert not isinstance(found, Exhausted)
     assert 3 == len(found.steps)
     least = next(var for var in line.original.state if var.name == "section_1.least")
+    assert isinstance(least, NumVar)
     never = observe(line.original, reachable("less than nothing", least < 0))
     assert isinstance(search(never, Limits(depth=2)), Exhausted)
