@@ -3,7 +3,7 @@
 A run has to satisfy conditions that read a few machines each. The machines are taken in the order of the step: the values of one
 machine are searched for, given those of the machines before it, which stay as they were found. Where that cannot be done, the
 values of the last machines before it are given up and searched for again, together with its own; of more and more of them, up to
-MOST_AGAIN. So a question is about a few machines, however many there are. Not every run is found this way; but one that is found
+_MOST_AGAIN. So a question is about a few machines, however many there are. Not every run is found this way; but one that is found
 satisfies all conditions, since the solver confirms it for the whole at the end, and "there is none" is said only where
 the conditions on the first machines contradict each other by themselves.
 """
@@ -22,9 +22,9 @@ from safeloc.proof.provers.limits import Deadline
 
 SOON_S = 1.0
 """Seconds of effort for the question about the whole, before it is asked machine by machine."""
-MOST_AGAIN = 16
+_MOST_AGAIN = 16
 """Most machines whose values are given up for those of the next one."""
-_AGAIN = (0, 1, 2, 4, 8, MOST_AGAIN)
+_AGAIN = (0, 1, 2, 4, 8, _MOST_AGAIN)
 
 
 @dataclass(frozen=True)
