@@ -205,7 +205,7 @@ def _told(before: Cost | None, one: Cost, kind: str) -> str:
 
     if not spent(one):
         return f"{'-':>16}"
-    if before is None or not spent(before):
+    if before is None or not spent(before) or (not kind and before.seconds.keys() != one.seconds.keys()):
         return f"{spent(one):>8.1f}{'':>8}"
     power = exponent((before.grown, spent(before)), (one.grown, spent(one)))
     return f"{spent(one):>8.1f} ^{power:>5.2f}{'!' if power > STEEP else ' '}"
