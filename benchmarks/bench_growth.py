@@ -1,9 +1,10 @@
 """How the time of `verify` grows with the size of what is verified.
 
-`python -m benchmarks.bench_growth [--line 10 30 100] [--localizer 1 2 3 4 5] [--out FILE] [--svg PICTURE]`: processor seconds by
-kind for machines of so many state variables (benchmarks.counted_line), and for localizers of so many sources, of which only
-the lemmas, contracts and properties are proved (the obligations and tests of one source take five times as long). Behind each figure
-stands the exponent between its size and the one before, `!` above STEEP. FILE keeps a line a size, and what stands in it is not
+`python -m benchmarks.bench_growth [--line 10 30 100] [--composed 10 31 100 1000] [--localizer 1 2 3 4 5] [--out FILE] [--svg PICTURE]`:
+processor seconds by kind for machines of so many state variables (benchmarks.counted_line), for compositions of so many in all
+(benchmarks.composed_line; above WHOLE_UP_TO only the lemmas, contracts and properties), and for localizers of so many sources, of which
+only these are proved as well (the obligations and tests of one source take five times as long). As with `verify --fresh`, nothing is kept
+of earlier runs, and what occurs twice in a run is decided once. Behind each figure stands the exponent between its size and the one before, `!` above STEEP. FILE keeps a line a size, and what stands in it is not
 measured again. Limits of the clock are wide (SECONDS), so that other work on the machine changes no verdict.
 """
 
@@ -13,6 +14,7 @@ import argparse
 import math
 import multiprocessing
 import resource
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
@@ -20,10 +22,13 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+from benchmarks.composed_line import composed_target
 from benchmarks.counted_line import line_target
 from benchmarks.growth_drawing import drawn
 from safeloc.language.verdict import word
 from safeloc.models.localizer import LocalizerConfig, SourceName
+from safeloc.proof.cache.answers import kept_in
+from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.one import Plan, Work
@@ -32,10 +37,15 @@ from safeloc.target import Target
 from tests.kept_lines import keep, kept_lines
 
 VARIABLES = (10, 30, 100)
+IN_ALL = (10, 31, 100, 1000)
+WHOLE_UP_TO = 100
+"""State variables of a composition up to which obligations and tests are measured as well."""
 SOURCES: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
 SECONDS = 3_600.0
 PLAN = Plan(Limits(seconds=SECONDS), examples=60, steps=60, seed=0)
 JOBS = 2
+FAMILIES = ("line", "composed", "localizer")
+TITLES = {"line": "one machine", "composed": "a composition, a small machine each section"}
 KINDS = ("properties", "obligations", "tests")
 STEEP = 1.3
 """An exponent above which growth is called worse than linear."""
@@ -57,7 +67,7 @@ class Cost:
     @property
     def grown(self) -> int:
         """What the exponent is of: state variables of a line, sources of a localizer."""
-        return self.variables if self.family == "line" else self.size
+        return self.size if self.family == "localizer" else self.variables
 
     @property
     def all_s(self) -> float:
@@ -69,14 +79,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print a line a size, and draw them all."""
     asked = _arguments(arguments)
     kept = [Cost(**line) for line in kept_lines(asked.out)] if asked.out else []
-    wanted = [("line", size) for size in asked.line] + [("localizer", size) for size in asked.localizer]
+    wanted = [(family, size) for family in FAMILIES for size in getattr(asked, family)]
     for family, size in wanted:
         if any((one.family, one.size) == (family, size) for one in kept):
             continue
         kept.append(_alone(partial(measured, family, size)))
         if asked.out:
             keep(asked.out, asdict(kept[-1]))
-    kept.sort(key=lambda one: (one.family, one.size))
+    kept.sort(key=lambda one: (FAMILIES.index(one.family), one.size))
     print(*table(kept), sep="\n")
     if asked.svg:
         asked.svg.write_text(_drawn(kept) + "\n", encoding="utf-8")
@@ -85,6 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.bench_growth", description=__doc__)
     parser.add_argument("--line", type=int, nargs="*", default=list(VARIABLES), help="state variables")
+    parser.add_argument("--composed", type=int, nargs="*", default=list(IN_ALL), help="state variables in all")
     numbers = range(1, len(SOURCES) + 1)
     parser.add_argument("--localizer", type=int, nargs="*", default=list(numbers), choices=numbers, help="sources")
     parser.add_argument("--out", type=Path, help="a line a size; read again to go on")
@@ -103,16 +114,26 @@ def _alone(work: Callable[[], Cost]) -> Cost:
 
 def measured(family: str, size: int) -> Cost:
     """What one size took, and what came of it. AssertionError where a generated machine is not all proved."""
-    target = line_target(size) if family == "line" else _localizer(size)
+    target, whole = _made(family, size)
     findings, seconds = list[Finding](), dict[str, float]()
-    for kind, stage in _stages(target, all_=family == "line"):
-        found, seconds[kind] = _timed(stage)
-        findings += found
+    with tempfile.TemporaryDirectory() as kept, kept_in(Store(Path(kept)), fresh=True):
+        for kind, stage in _stages(target, all_=whole):
+            found, seconds[kind] = _timed(stage)
+            findings += found
     open_ = [f"{word(one.result)} {one.id}" for one in findings if word(one.result) not in ("proved", "held")]
-    if family == "line" and open_:
-        raise AssertionError(f"a line of {size} state variables is not all proved: {'; '.join(open_)}")
+    if family != "localizer" and open_:
+        raise AssertionError(f"{family}: a line of {size} state variables is not all proved: {'; '.join(open_)}")
     most = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return Cost(family, size, len(target.system.state), seconds, len(findings), open_, most / 1_000)
+
+
+def _made(family: str, size: int) -> tuple[Target, bool]:
+    """The target, and whether obligations and tests of it are measured as well."""
+    if family == "line":
+        return line_target(size), True
+    if family == "composed":
+        return composed_target(size), size <= WHOLE_UP_TO
+    return _localizer(size), False
 
 
 def _localizer(sources: int) -> Target:
@@ -169,9 +190,13 @@ def table(costs: Sequence[Cost]) -> list[str]:
 
 
 def _drawn(costs: Sequence[Cost]) -> str:
-    lines = [one for one in costs if one.family == "line"]
-    by_kind = {kind: [(one.grown, one.seconds[kind]) for one in lines if kind in one.seconds] for kind in KINDS}
-    return drawn(by_kind, [(one.grown, one.all_s) for one in costs if one.family == "localizer"])
+    localizers = [(one.grown, one.all_s) for one in costs if one.family == "localizer"]
+    return drawn({title: _by_kind(costs, family) for family, title in TITLES.items()}, localizers)
+
+
+def _by_kind(costs: Sequence[Cost], family: str) -> dict[str, list[tuple[float, float]]]:
+    of = [one for one in costs if one.family == family]
+    return {kind: [(one.grown, one.seconds[kind]) for one in of if kind in one.seconds] for kind in KINDS}
 
 
 def _told(before: Cost | None, one: Cost, kind: str) -> str:
@@ -180,7 +205,7 @@ def _told(before: Cost | None, one: Cost, kind: str) -> str:
 
     if not spent(one):
         return f"{'-':>16}"
-    if before is None or not spent(before):
+    if before is None or not spent(before) or (not kind and before.seconds.keys() != one.seconds.keys()):
         return f"{spent(one):>8.1f}{'':>8}"
     power = exponent((before.grown, spent(before)), (one.grown, spent(one)))
     return f"{spent(one):>8.1f} ^{power:>5.2f}{'!' if power > STEEP else ' '}"

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
+from typing import Protocol
 
 from safeloc.language.expr import (
     TRUE,
@@ -60,6 +61,19 @@ LAW = "a head that tells, tells what ran over it; no axle comes or goes elsewher
 UNSURE, OCCUPIED, FREE = modes("UNSURE", "OCCUPIED", "FREE")
 
 
+class Heard(Protocol):
+    """What a section hears of one of its ends: between which numbers of axles ran in there, and the true number."""
+
+    @property
+    def least(self) -> Num: ...
+
+    @property
+    def most(self) -> Num: ...
+
+    @property
+    def true(self) -> NumVar: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Head:
     """What a counting head tells, and what truly runs over it, positive into the section behind it."""
@@ -82,8 +96,8 @@ class Head:
 class Section:
     """What is known of the axles between two heads, and how many there are."""
 
-    entry: Head
-    exit: Head
+    entry: Heard
+    exit: Heard
     swept: BoolVar
     least: NumVar
     most: NumVar
@@ -108,6 +122,11 @@ class Section:
         """Axles come and go over the heads only; a swept section holds none."""
         moved = self.next_true.eq(self.true + self.entry.true - self.exit.true)
         return moved & self.swept.implies(self.next_true.eq(0))
+
+    @property
+    def next_wide(self) -> Bool:
+        """After the step the number is not known within the tolerance."""
+        return self.next_most - self.next_least > TOLERANCE
 
     @property
     def known(self) -> Bool:
@@ -182,7 +201,7 @@ def _table(line: Sequence[Section]) -> Iterator[Transition]:
         **{one.least: one.next_least for one in line},
         **{one.most: one.next_most for one in line},
     }
-    wide = any_of(one.next_most - one.next_least > TOLERANCE for one in line)
+    wide = any_of(one.next_wide for one in line)
     empty = all_of(one.next_most.eq(0) for one in line)
 
     def row(name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, rank: int) -> Transition:

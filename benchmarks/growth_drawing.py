@@ -29,7 +29,7 @@ STYLE = (
     "stroke-dasharray:3 4}.ink{stroke:#1c2733}</style>"
 )
 COLOURS = {"properties": BLUE, "obligations": ORANGE, "tests": GREEN}
-TOP, TALL, BETWEEN = 80, 260, 110
+TOP, TALL, BETWEEN, ABOVE = 104, 260, 130, 56
 
 Sized = Sequence[tuple[float, float]]
 """Sizes with their seconds."""
@@ -57,28 +57,31 @@ class _Powers:
         return [10.0**power for power in range(round(self.axis.low), round(self.axis.high) + 1)]
 
 
-def drawn(machines: Mapping[str, Sized], localizers: Sized) -> str:
-    """The picture, as SVG text: generated machines by kind of seconds, below them localizers by number of sources."""
+def drawn(machines: Mapping[str, Mapping[str, Sized]], localizers: Sized) -> str:
+    """The picture, as SVG text: a panel for each title of generated machines, by kind of seconds; below them localizers by sources."""
     title = "Processor seconds of verify over the size"
-    parts = [STYLE, word(LEFT, 20, title)]
-    bottom = TOP + TALL
-    if any(machines.values()):
-        parts.append(_machines({kind: sized for kind, sized in machines.items() if sized}))
+    parts, top = [STYLE, word(LEFT, 20, title)], TOP
+    for of, kinds in machines.items():
+        measured = {kind: sized for kind, sized in kinds.items() if sized}
+        if measured:
+            parts.append(_machines(of, measured, top))
+            top += TALL + BETWEEN
     if localizers:
-        bottom += BETWEEN + TALL
-        parts.append(_localizers(localizers, bottom))
-    return picture(parts, bottom + 50, title)
+        parts.append(_localizers(localizers, top + TALL - ABOVE))
+        top += TALL - ABOVE + BETWEEN
+    return picture(parts, top - BETWEEN + 50, title)
 
 
-def _machines(kinds: Mapping[str, Sized]) -> str:
+def _machines(of: str, kinds: Mapping[str, Sized], top: float) -> str:
     sizes = [size for sized in kinds.values() for size, _ in sized]
     seconds = [second for sized in kinds.values() for _, second in sized]
-    across, upright = _Powers.of(sizes, LEFT, RIGHT), _Powers.of(seconds, TOP + TALL, TOP)
+    across, upright = _Powers.of(sizes, LEFT, RIGHT), _Powers.of(seconds, top + TALL, top)
     middle = [(size, min(seconds) * size / min(sizes)) for size in (min(sizes), max(sizes))]
     lines = [_line(sized, across, upright, COLOURS[kind]) for kind, sized in kinds.items()]
     swatches = [stroke_swatch(COLOURS[kind], kind) for kind in kinds]
-    key, _ = legend([*swatches, stroke_swatch(GREY, "in line with the size", dash="5 4")], 48)
-    return "".join([_frame(across, upright), _line(middle, across, upright, GREY, dash="5 4"), *lines, key])
+    key, _ = legend([*swatches, stroke_swatch(GREY, "in line with the size", dash="5 4")], top - ABOVE + 18)
+    head = word(LEFT, top - ABOVE, of)
+    return "".join([head, _frame(across, upright), _line(middle, across, upright, GREY, dash="5 4"), *lines, key])
 
 
 def _frame(across: _Powers, upright: _Powers) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.bench_growth import Cost, exponent, table
+from benchmarks.composed_line import composed_target, machines_of
 from benchmarks.counted_line import line_target, sections
 from safeloc.language.verdict import word
 from safeloc.proof.provers.limits import Limits
@@ -29,6 +30,38 @@ def test_sizes_are_as_near_as_can_be(variables: int) -> None:
     assert abs(len(target.system.state) - variables) <= 1
     assert (3, 7, 4) == (len(target.machines[0].modes), len(target.machines[0].transitions), len(target.properties))
     assert sections(variables) == len(target.machines[0].lemmas)
+
+
+@pytest.mark.thorough
+def test_the_composition_of_ten_variables_is_all_proved() -> None:
+    """Lemmas, the contract, properties and obligations are proved and the tests held."""
+    target = composed_target(10)
+    findings = Work(target, 2, lambda *_: None, lambda _: None).verified(Plan(Limits(), examples=5, steps=20, seed=0))
+    assert {"lemma", "property", "obligation", "test"} == {one.kind for one in findings}
+    assert [] == [one.id for one in findings if word(one.result) not in ("proved", "held")]
+
+
+def test_a_section_and_its_contract_are_proved_machine_by_machine() -> None:
+    """What its heads tell a section is guaranteed by them, and what it claims is proved of the section by itself."""
+    target = composed_target(10)
+    found = {
+        one.id.removeprefix("composed_line/"): one
+        for one in Work(target, 1, lambda *_: None, lambda _: None).proved(target.properties[:1], Limits())
+    }
+    assert {"proved"} == {word(one.result) for one in found.values()}
+    assert "lemma/contract of section_1 holds" in found
+    assert "of section_1 by itself" in found["property/section_1: free holds no axle"].method
+
+
+@pytest.mark.parametrize("variables", [10, 31, 100, 300, 1000])
+def test_sizes_of_compositions_are_as_near_as_can_be(variables: int) -> None:
+    """A head has three variables, a section four: each machine stays as it is, and what grows is their number."""
+    target, count = composed_target(variables), machines_of(variables)
+    assert 3 + 7 * count == len(target.system.state)
+    assert abs(len(target.system.state) - variables) <= 3
+    assert 2 * count + 1 == len(target.machines)
+    assert {3, 4} == {len(part.alone.state) for part in target.system.parts}
+    assert (count, 4) == (sum(one.kept_by is not None for one in target.properties), len(target.properties) - count)
 
 
 def test_the_exponent_is_the_power_of_the_size() -> None:

@@ -42,7 +42,13 @@ def search(goal: Goal, limits: Limits) -> Trace | Exhausted:
 
     If z3 does not finish within a third of the limit, it is asked again with another seed: with an unlucky seed a
     question of half a second can take a hundred times as long.
+
+    Of a composition, a run that `reachable` asks for is searched machine by machine before; it may be longer than the shortest one.
     """
+    if goal.prop.kind == "reachable" and goal.system.parts:
+        found = _by_machines(goal, replace(limits, seconds=limits.seconds * _FIRST_TRY))
+        if found is not None:
+            return found
     first = _search(goal, replace(limits, seconds=limits.seconds * _FIRST_TRY))
     if not isinstance(first, Exhausted) or first.depth == limits.depth:
         return first
@@ -62,6 +68,24 @@ def _search(goal: Goal, limits: Limits) -> Trace | Exhausted:
             return Exhausted(runs.depth, f"solver: {runs.stuck}")
         runs.deeper(goal.good)
     return Exhausted(limits.depth, f"depth limit of {limits.depth} steps")
+
+
+def _by_machines(goal: Goal, limits: Limits) -> Trace | Exhausted | None:
+    """Return a run, or Exhausted if there is none of any length; None if the search left some length open.
+
+    A length that it does not decide is passed over: what is asked there is whether a run of that length is the shortest one.
+    """
+    runs, ends = Deepening(Unrolling(goal.system), new_solver(limits.seed)), deadline(limits.seconds)
+    open_ = False
+    while runs.depth < limits.depth:
+        if ends.passed:
+            return None
+        model = runs.run_by_machines(runs.fails(goal.good), ends, limits.seed)
+        if model is not None:
+            return confirmed(goal, runs.first(model, declared_state(goal)), runs.stream(model), "bmc")
+        open_ = open_ or bool(runs.stuck)
+        runs.deeper(goal.good)
+    return None if open_ else Exhausted(limits.depth, f"depth limit of {limits.depth} steps")
 
 
 def declared_state(goal: Goal | Watch) -> list[Var]:

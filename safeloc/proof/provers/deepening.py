@@ -10,7 +10,8 @@ from safeloc.codegen.smt import Unrolling
 from safeloc.language.expr import Bool, Var
 from safeloc.language.nodes import Value
 from safeloc.proof.provers.asking import ask, why_unknown
-from safeloc.proof.provers.limits import Deadline
+from safeloc.proof.provers.limits import Deadline, deadline
+from safeloc.proof.provers.machine_by_machine import SOON_S, run_by_machines
 
 
 class Deepening:
@@ -42,6 +43,18 @@ class Deepening:
         model = self._solver.model() if answer == z3.sat else None
         self._solver.pop()
         return model
+
+    def run_by_machines(self, condition: z3.BoolRef, ends: Deadline, seed: int) -> z3.ModelRef | None:
+        """Do as `run`, for a short time; then search machine by machine. `stuck` says that neither decided."""
+        model = self.run(condition, deadline(min(SOON_S, ends.left)))
+        if not self.stuck:
+            return model
+        found = run_by_machines(self._unrolling.system, [*self._solver.assertions(), condition], ends, seed)
+        if isinstance(found, str):
+            self.stuck = "" if found == "none" else self.stuck
+            return None
+        self.stuck = ""
+        return found
 
     def run_anew(self, condition: z3.BoolRef, ends: Deadline, solver: z3.Solver) -> z3.ModelRef | None:
         """Do as `run`, in a new solver: quicker where the one that has been asked before gets lost."""

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 
 from safeloc.codegen.smtlib import Query
 from safeloc.language.composed_names import lemma_name
@@ -25,7 +26,7 @@ from safeloc.proof.provers.facts import Fact, about, contract_of, inputs_of, ran
 from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.limits import deadline
 from safeloc.proof.provers.recheck import UNCONFIRMED, certify
-from safeloc.proof.provers.relevance import Relevance
+from safeloc.proof.provers.relevance import Selection, relevance
 
 PATIENCE = 3  # times the limit: a contract reads several machines, and facts of its machine depend on it
 
@@ -110,18 +111,18 @@ class _Proof:
 
     def __init__(self, system: TransitionSystem) -> None:
         self._system, self.ends = system, deadline(0)
-        self._after, self._relevance = Substitution(dict(system.next)), Relevance(system)
-        self._free, self._lawful = environment(system, assume=False), environment(system)
+        self._after, self._relevance = Substitution(dict(system.next)), relevance(system)
+        self._free = self._selection([environment(system, assume=False)])
+        self._lawful = self._selection([environment(system)])
+        self._always, self._facts, self._kept = _Known(self), _Known(self), _Known(self)
 
     def confirm(self, fact: Fact, term: Bool, found: Inherited, *, always: bool) -> bool:
         """Prove by both solvers that the term holds in every step; a failure goes into `refuted`."""
-        known = list(found.always.values()) + ([] if always else [*found.facts.values(), *found.kept.values()])
-        states = [] if always else list(found.facts.values())
-        hypotheses = [self._free if always else self._lawful, *known]
-        hypotheses += [self._after.bool(one) for one in (*found.always.values(), *states)]
+        for known, facts in ((self._always, found.always), (self._facts, found.facts), (self._kept, found.kept)):
+            known.learn(facts)
         for number, goals in enumerate(self._alike(term), 1):
             head = about(self._system, fact.kind, of=fact.of, group=number)
-            wanted = self._relevance.select(hypotheses, goals.values())
+            wanted = self._hypotheses(self._relevance.machines(goals.values()), always=always)
             query = Query(f"{self._system.name} {fact} {number}", wanted, goals, head)
             failed = unproved(query, self.ends.left)
             if not failed:
@@ -133,9 +134,46 @@ class _Proof:
                 return False
         return True
 
+    def _hypotheses(self, machines: frozenset[int], *, always: bool) -> list[Bool]:
+        """Return what is known of these machines: the environment, then facts before the step, then facts after it."""
+        if always:
+            some = [self._free, self._always.before, self._always.after]
+        else:
+            before = [self._always.before, self._facts.before, self._kept.before]
+            some = [self._lawful, *before, self._always.after, self._facts.after]
+        return [part for one in some for part in one.select(machines)]
+
+    def selection(self) -> Selection:
+        """Return an empty selection of hypotheses."""
+        return Selection(self._relevance)
+
+    def after(self, term: Bool) -> Bool:
+        """Return the term over the state after the step."""
+        return self._after.bool(term)
+
+    def _selection(self, hypotheses: Sequence[Bool]) -> Selection:
+        made = self.selection()
+        made.add(hypotheses)
+        return made
+
     def _alike(self, term: Bool) -> list[dict[int, Bool]]:
         """Group the numbered conjuncts of a term by the machines that they read."""
         groups: dict[frozenset[int], dict[int, Bool]] = {}
         for number, part in enumerate(conjuncts(term), 1):
             groups.setdefault(self._relevance.machines([part]), {})[number] = part
         return list(groups.values())
+
+
+class _Known:
+    """Facts that become more, before a step and after it; what was learned once is not looked at again."""
+
+    def __init__(self, proof: _Proof) -> None:
+        self._proof, self._seen = proof, 0
+        self.before, self.after = proof.selection(), proof.selection()
+
+    def learn(self, facts: Mapping[Fact, Bool]) -> None:
+        """Add the facts that came since the last time; a mapping holds them in the order in which they came."""
+        new = list(islice(facts.values(), self._seen, None))
+        self._seen += len(new)
+        self.before.add(new)
+        self.after.add(self._proof.after(one) for one in new)

@@ -14,7 +14,7 @@ from typing import Literal, assert_never
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import PropertyError
 from safeloc.language.composition import inherited_term
-from safeloc.language.expr import TRUE
+from safeloc.language.expr import TRUE, Bool
 from safeloc.language.spec import Goal, Property, always, observe
 from safeloc.language.system import Part, TransitionSystem, in_range
 from safeloc.language.terms import alike, variables
@@ -32,10 +32,11 @@ from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.implication import Undecided
 from safeloc.proof.provers.inherited import contract_properties, contracts
 from safeloc.proof.provers.kinduction import given_facts, kinduction
-from safeloc.proof.provers.limits import CLOCK, Limits, deadline
+from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
+from safeloc.proof.provers.relevance import relevance
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import spacer
@@ -343,14 +344,21 @@ def inherited(goal: Goal) -> tuple[Part, Property] | None:
 def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
     """Prove in the first state a property that is inherited from a machine.
 
-    A property of steps becomes one of states if an input is wired; it then has to hold in the first state too.
+    A property of steps becomes one of states if an input is wired; it then has to hold in the first state too. What is said of
+    other machines is left out, unless that is not enough.
     """
     if goal.observers:
         return Settled({}, {})
     first = [goal.system.init, in_range(goal.system.state), *given_facts(goal, known)]
+    needed, ends = relevance(goal.original).select(first, [goal.good]), deadline(limits.seconds)
+    settled_ = _first_state(goal, known, needed, ends)
+    return settled_ if not settled_.failed else _first_state(goal, known, first, ends)
+
+
+def _first_state(goal: Goal, known: Base, first: Sequence[Bool], ends: Deadline) -> Settled[str]:
     head = about(goal.original, "first state", property=goal.prop.name)
     query = Query(f"{goal.original.name} {goal.prop.name} first state", first, {"good": goal.good}, head)
-    return settled(query, deadline(limits.seconds), list(known.certificates))
+    return settled(query, ends, list(known.certificates))
 
 
 def _facts(system: TransitionSystem, known: Base, seconds: float) -> list[Finding | Dropped]:

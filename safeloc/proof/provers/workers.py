@@ -22,6 +22,8 @@ from safeloc.proof.provers.slots import shared
 
 _MOST_IN_A_PROCESS = 16
 """Tasks after which a process ends, with the memory that they have left in it."""
+_LONGEST_WAIT_S = 86_400.0
+"""Time after which the queue looks at its processes again. Longer waits than 24 days are more than the operating system's call takes."""
 
 
 @dataclass(frozen=True)
@@ -227,8 +229,11 @@ def _following(pipe: Connection) -> int | None:
 
 
 def _patience(running: Sequence[_Worker], tasks: Sequence[Task]) -> float | None:
+    if not running:
+        return None
     now = time.monotonic()
-    return max(0.0, min(worker.started + tasks[worker.index].seconds - now for worker in running)) if running else None
+    left = min(worker.started + tasks[worker.index].seconds - now for worker in running)
+    return min(max(0.0, left), _LONGEST_WAIT_S)
 
 
 def _answer(worker: _Worker, task: Task) -> tuple[Any | Lost] | None:

@@ -35,6 +35,12 @@ def test_a_hanging_task_is_ended_by_the_clock() -> None:
     assert answers == {0: Lost("ended by the clock after 0.3 s"), 1: "done"}
 
 
+def test_a_limit_may_be_longer_than_a_month() -> None:
+    """The operating system's call waits some weeks at most: a base of hundreds of machines with hours for each has a longer limit."""
+    [(_, answer, _)] = in_processes([Task("works", lambda: "done", 1e8)], 1)
+    assert answer == "done"
+
+
 def test_a_process_that_dies_is_noticed() -> None:
     """A solver that crashes its process leaves the task lost, with the exit code."""
     [(_, answer, _)] = in_processes([Task("dies", lambda: os._exit(7), 30.0)], 1)
