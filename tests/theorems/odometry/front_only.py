@@ -90,7 +90,7 @@ def undisturbed(model: Odometry) -> Bool:
 def _same_stream(both: Odometry, alone: Odometry) -> dict[Var, Expr]:
     wires: dict[Var, Expr] = {}
     for unit, other in zip(alone.own.units, both.own.devices[0].units, strict=True):
-        wires |= _reads(other.step, unit.measured)
+        wires |= _reads(other.measured, unit.measured)
     front, rear = alone.own.readers
     for here, there in zip(front.inputs, both.own.readers[0].inputs, strict=True):
         wires |= _reads(there, here)
