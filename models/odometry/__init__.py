@@ -5,7 +5,7 @@ the same marker, the device at its end is set again (values M2), until the leadi
 Which end leads follows from the direction of travel. In the one-device variant both readers set the same device.
 
     DELOCALIZED  no reference, or lost: nothing is reported
-    CANDIDATE    one marker was read; nothing is reported until a different marker agrees with it
+    CANDIDATE    one marker was read; nothing is reported until a different marker agrees with it (not if the first is trusted)
     FRONT        the device at end A gives the position
     REAR         the device at end B gives the position (two-device variant)
 
@@ -35,7 +35,7 @@ from safeloc.language.expr import (
 )
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
-from safeloc.language.units import COUNT, MM
+from safeloc.language.units import COUNT, MM, Enumeration
 from safeloc.models.odometry.cycle import Judgement, Reading, Remembered, Situation, judge
 from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, nothing
 from safeloc.models.odometry.hidden_faults import with_hidden
@@ -73,9 +73,11 @@ class Odometry(Model[Parts]):
 
 def build(own: Parts, name: str = "odometry") -> Odometry:
     """Build the machine over the given variables."""
-    mode = modes("DELOCALIZED", "CANDIDATE", "FRONT", *(["REAR"] if len(own.devices) == 2 else []))
+    waits = [] if own.config.trust_first_marker else ["CANDIDATE"]
+    mode = modes("DELOCALIZED", *waits, "FRONT", *(["REAR"] if len(own.devices) == 2 else []))
     current = current_mode(mode)
-    situation = Situation(current.one_of(*mode[2:]), current.eq(mode[1]), current.eq(mode[0]))
+    located = _located_modes(own, mode)
+    situation = Situation(current.one_of(*located), current.eq(mode[1]) if waits else FALSE, current.eq(mode[0]))
     judgement = judge(own, situation)
     made = own.declared.machine(
         name=name,
@@ -83,7 +85,7 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
         outputs=_outputs(own, current, mode),
         transitions=[*_located(own, judgement, mode), *_unlocated(own, judgement, mode)],
         world=with_hidden(world(own), judgement),
-        lemmas=lemmas(own, current, mode),
+        lemmas=lemmas(own, situation, [current.eq(one) for one in located]),
         definitions=_definitions(own, judgement),
         doc=(
             "Position of end A of the vehicle from the distance measured since position markers, which a reader at either "
@@ -101,7 +103,7 @@ def build(own: Parts, name: str = "odometry") -> Odometry:
 
 def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
     """Transitions out of the modes that report a position."""
-    lost, located = mode[0], mode[2:]
+    lost, located = mode[0], _located_modes(own, mode)
     failed = any_of(moved.device.alive & moved.failed for moved in cycle.cycles)
     gone = ~cycle.any_alive
     keep = together(
@@ -138,7 +140,29 @@ def _located(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Tr
 
 
 def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
-    """Transitions out of the modes that report nothing."""
+    """Transitions out of the modes that report nothing; no candidate waits where the first reference is trusted."""
+    yield from _trusted(own, cycle, mode) if own.config.trust_first_marker else _confirmed(own, cycle, mode)
+    yield Transition("wait for a marker", mode[0], mode[0], TRUE, _seen(own, cycle), ("MRK-D1",), 9)
+
+
+def _trusted(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions by which the first reference alone gives the position."""
+    lost, located = mode[0], _located_modes(own, mode)
+    found: Updates = {own.reason: LOCATED}
+    for reading in cycle.readings:
+        end, target, sure = ENDS[reading.end], located[_index(own, reading.device)], reading.accepted & reading.leading
+        alone = _identities(own, cycle.remembered_of(reading))
+        set_by_it = together(_seen(own, cycle), _only_by(own, cycle, reading), alone, found)
+        yield Transition(f"trusted marker at {end}", lost, target, sure, set_by_it, ("MRK-1",), 7)
+    if cycle.satellites is not None:
+        position = cycle.satellites
+        set_by_it = together(_seen(own, cycle), _only_by(own, cycle, position), found, _no_identities(own))
+        name = "trusted position of satellites"
+        yield Transition(name, lost, located[0], position.accepted, set_by_it, ("MRK-D6",), 7)
+
+
+def _confirmed(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[Transition]:
+    """Transitions by which a second reference that agrees with the candidate gives the position, and those of the candidate."""
     lost, candidate, *located = mode
     waiting, seen = (lost, candidate), _seen(own, cycle)
     located_now: Updates = {own.reason: LOCATED}
@@ -151,16 +175,12 @@ def _unlocated(own: Parts, cycle: Judgement, mode: tuple[Lit, ...]) -> Iterator[
         first, agreed = together(only, alone, of_marker), together(only, both, located_now, of_marker)
         yield Transition(f"candidate marker at {end}", waiting, candidate, taken, first, ("MRK-D1",), 7)
         yield Transition(f"marker confirmed at {end}", candidate, target, sure, agreed, ("MRK-1", "MRK-D1"), 7)
-        if own.config.trust_first_marker:
-            trusted = together(first, located_now)
-            yield Transition(f"trusted marker at {end}", lost, target, sure, trusted, ("MRK-1",), 7)
     if cycle.satellites is not None:
         yield from _by_satellites(own, cycle, cycle.satellites, mode)
     carried = together(seen, _prolonged(own, cycle), _identities_unless_turned(own, cycle))
     dropped = together(seen, _no_position(own), _no_identities(own))
     yield Transition("candidate lost", candidate, lost, ~cycle.any_prolonged, dropped, ("MRK-D1",), 8)
     yield Transition("carry the candidate", candidate, candidate, TRUE, carried, ("MRK-D1",), 9)
-    yield Transition("wait for a marker", lost, lost, TRUE, seen, ("MRK-D1",), 9)
 
 
 def _by_satellites(own: Parts, cycle: Judgement, position: Reading, mode: tuple[Lit, ...]) -> Iterator[Transition]:
@@ -177,9 +197,6 @@ def _by_satellites(own: Parts, cycle: Judgement, position: Reading, mode: tuple[
     yield Transition(
         "satellites confirm the candidate", candidate, front, position.accepted, confirmed, ("MRK-D6", "MRK-D1"), 7
     )
-    if own.config.trust_first_marker:
-        trusted = together(located_now, _no_identities(own))
-        yield Transition("trusted position of satellites", lost, front, position.accepted, trusted, ("MRK-D6",), 7)
 
 
 # ------------------------------------------------------------------ groups of updates: what the transitions set
@@ -252,7 +269,9 @@ def _identities_unless_turned(own: Parts, cycle: Judgement) -> Updates:
 
 def _candidate_of_satellites(own: Parts, is_so: Bool) -> Updates:
     """The candidate is, or is not, a position of satellites, where they give any."""
-    return {} if own.satellites is None else {own.satellites.candidate_of_satellites: is_so}
+    if own.satellites is None or own.satellites.candidate_of_satellites is None:
+        return {}
+    return {own.satellites.candidate_of_satellites: is_so}
 
 
 def _no_identities(own: Parts) -> Updates:
@@ -261,6 +280,11 @@ def _no_identities(own: Parts) -> Updates:
 
 
 # ------------------------------------------------------------------ terms of the table
+
+
+def _located_modes(own: Parts, mode: tuple[Lit, ...]) -> tuple[Lit, ...]:
+    """Return the modes that report a position, one for each device."""
+    return mode[-len(own.devices) :]
 
 
 def _index(own: Parts, device: Device) -> int:
@@ -324,11 +348,15 @@ def lead(own: Parts, current: Num) -> Values:
 
 
 def _names_rear(own: Parts, current: Num) -> Bool:
-    return current.eq(Lit(3, current.unit)) if len(own.devices) == 2 else FALSE
+    if len(own.devices) == 1:
+        return FALSE
+    table = current.unit
+    assert isinstance(table, Enumeration)
+    return current.eq(Lit(table.index("REAR"), table))
 
 
 def _outputs(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Expr]:
-    valid = current.one_of(*mode[2:])
+    valid = current.one_of(*_located_modes(own, mode))
     values = lead(own, current)
     rear = _names_rear(own, current)
     by_leading = _of_lead(rear, [ite(d.by_leading, M1, M2) for d in own.devices])

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from safeloc.language.expr import TRUE, Bool, Num, abs_, all_of, any_of, as_num, ite, maximum
+from safeloc.language.expr import FALSE, TRUE, Bool, Num, abs_, all_of, any_of, as_num, ite, maximum
 from safeloc.language.units import COUNT, MM
 from safeloc.models.odometry.distance_device import Cycle, Device, DeviceState, Values, best, cycle
 from safeloc.models.odometry.marker_reading import (
@@ -241,12 +241,13 @@ def _position(
     fresh = _fresh(found, device)
     outside, alive = ~found.fits(reference), fresh[0].alive | fresh[1].alive
     kept = moved.values.alive & (moved.values.margin <= best(*fresh).margin)
+    own_candidate = FALSE if reader.candidate_of_satellites is None else reader.candidate_of_satellites
     verdict = first_of(
         (~reader.place.present, NONE),
         (any_of(reading.accepted | reading.is_candidate for reading in readings), NOT_BETTER),
         (~alive, TOO_COARSE),
         (situation.lost, ACCEPTED if own.config.trust_first_marker else CANDIDATE),
-        (situation.candidate & (reader.candidate_of_satellites | ~reference.alive | outside), CANDIDATE),
+        (situation.candidate & (own_candidate | ~reference.alive | outside), CANDIDATE),
         (~reference.alive, UNCONFIRMED),
         (outside, OUT_OF_WINDOW),
         (situation.located & kept, NOT_BETTER),

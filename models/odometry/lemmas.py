@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-from safeloc.language.expr import Bool, Lit, Num, as_num, between, exact_to, ite, with_unit
+from safeloc.language.expr import Bool, Num, as_num, between, exact_to, ite, with_unit
 from safeloc.language.units import NM
+from safeloc.models.odometry.cycle import Situation
 from safeloc.models.odometry.distance_device import Device, Unit
 from safeloc.models.odometry.hidden_faults import hidden_with_age
 from safeloc.models.odometry.variables import Parts
 from safeloc.models.odometry.world import lawful
 
 
-def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
-    """Return the lemmas: the interval of every living unit contains the true position, and the mode names a living device with the smaller margin."""
+def lemmas(own: Parts, situation: Situation, leads: Sequence[Bool]) -> dict[str, Bool]:
+    """Return the lemmas: the interval of every living unit contains the true position, and the mode names a living device with the smaller margin.
+
+    leads  for each device, that the mode names it
+    """
     found: dict[str, Bool] = {}
-    lost, candidate, *located = mode
     for index, unit in enumerate(own.units):
         device, checker = own.partner(unit)
         sound = _holds(own, unit) & _set_no_earlier(own, index, device)
@@ -23,17 +27,17 @@ def lemmas(own: Parts, current: Num, mode: tuple[Lit, ...]) -> dict[str, Bool]:
         if own.ghosts.units[other].unset is not None:  # by the checker's law a missing distance is bridged
             sound = sound & _set_no_earlier(own, other, device)
         found[f"machine and world agree on the last distance of {unit.name}"] = _gated_alike(own, index)
-        stray = current.eq(candidate) & (own.ghosts.since_stray <= device.age)
+        stray = situation.candidate & (own.ghosts.since_stray <= device.age)
         found[f"{unit.name} holds the truth"] = unit.alive.implies(sound | stray)
-        found[f"{unit.name} is dead while delocalized"] = current.eq(lost).implies(~unit.alive)
+        found[f"{unit.name} is dead while delocalized"] = situation.lost.implies(~unit.alive)
         if own.config.single_fault_safe and _drift_mm_s2(device):
             found[f"{unit.name} holds the drift of its age"] = unit.alive.implies(_grown_with_age(unit, device))
-    for device, target in zip(own.devices, located, strict=True):
-        found[f"{device.name} device is alive when it leads"] = current.eq(target).implies(device.values.alive)
+    for device, named in zip(own.devices, leads, strict=True):
+        found[f"{device.name} device is alive when it leads"] = named.implies(device.values.alive)
     if len(own.devices) == 2:
         front, rear = (device.values for device in own.devices)
-        found["front device leads with the smaller margin"] = current.eq(located[0]).implies(~rear.better_than(front))
-        found["rear device leads with the smaller margin"] = current.eq(located[1]).implies(~front.better_than(rear))
+        found["front device leads with the smaller margin"] = leads[0].implies(~rear.better_than(front))
+        found["rear device leads with the smaller margin"] = leads[1].implies(~front.better_than(rear))
     for device, unseen in zip(own.devices, own.ghosts.unseen, strict=False):
         found[f"{device.name} hides no more than its age allows"] = hidden_with_age(device, unseen)
     return found

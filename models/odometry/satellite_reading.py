@@ -34,14 +34,15 @@ class SatelliteReader:
 
     place, below, above   inputs: place of end A at the end of the cycle; how far its true place may lie below it, and above
     verdict               state: the verdict on the cycle's position
-    candidate_of_satellites        state: the candidate is a position of satellites, which no other one of them confirms
+    candidate_of_satellites        state: the candidate is a position of satellites, which no other one of them confirms; None where
+                                   the first reference is trusted, so that nothing is a candidate
     """
 
     place: Optional
     below: NumVar
     above: NumVar
     verdict: NumVar
-    candidate_of_satellites: BoolVar
+    candidate_of_satellites: BoolVar | None
 
     @property
     def fix(self) -> Fix:
@@ -50,13 +51,16 @@ class SatelliteReader:
         return Fix(self.place.value, above, below, as_num(0, NM))
 
 
-def satellite_reader(declared: Declared, position_limit_mm: int) -> SatelliteReader:
-    """Declare the variables of what gives the positions of satellites; a place beyond the line is read, and refused."""
+def satellite_reader(declared: Declared, position_limit_mm: int, *, trusted: bool) -> SatelliteReader:
+    """Declare the variables of what gives the positions of satellites; a place beyond the line is read, and refused.
+
+    trusted  the first reference is trusted
+    """
     beyond = 2 * position_limit_mm
     return SatelliteReader(
         place=declared.sensor(optional("satellite_position_mm", MM, -beyond, beyond)),
         below=declared.sensor(number("satellite_margin_below_mm", MM, 0, WIDEST_MM)),
         above=declared.sensor(number("satellite_margin_above_mm", MM, 0, WIDEST_MM)),
         verdict=declared.state(choice("satellite_reading", enumeration(READING)), first=NONE),
-        candidate_of_satellites=declared.state(boolean("candidate_of_satellites"), first=False),
+        candidate_of_satellites=None if trusted else declared.state(boolean("candidate_of_satellites"), first=False),
     )

@@ -136,7 +136,7 @@ class Parts:
             declared.sensor(length)
         self.satellites: SatelliteReader | None = None
         if config.satellite_markers:
-            self.satellites = satellite_reader(declared, place)
+            self.satellites = satellite_reader(declared, place, trusted=config.trust_first_marker)
         self.pending = pending(declared, config.pending_markers, identities)
         self.backwards = declared.state(boolean("backwards"), first=False)
         self.rolled = declared.state(number("rolled_mm", MM, 0, config.reversal_mm), first=0)

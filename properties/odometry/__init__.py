@@ -6,7 +6,20 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite, maximum, with_unit
+from safeloc.language.expr import (
+    FALSE,
+    Bool,
+    Num,
+    all_of,
+    any_of,
+    as_num,
+    before,
+    between,
+    exact_to,
+    ite,
+    maximum,
+    with_unit,
+)
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, within
 from safeloc.language.units import MM, NM, NM_PER_MM
@@ -74,10 +87,8 @@ def _safety(model: Odometry) -> Iterator[Property]:
 def _references(model: Odometry) -> Iterator[Property]:
     machine, own = model.machine, model.own
     valid = machine.flag("valid")
-    confirmed = [f"marker confirmed at {end}" for end in ("front", "rear")]
-    if own.config.trust_first_marker:
-        confirmed += [f"trusted marker at {end}" for end in ("front", "rear")]
-    confirmed += satellites.returns(own)
+    by_marker = "trusted marker" if own.config.trust_first_marker else "marker confirmed"
+    confirmed = [*(f"{by_marker} at {end}" for end in ("front", "rear")), *satellites.returns(own)]
     yield for_all_inputs(
         "no resurrection",
         (valid & ~earlier_bool(valid)).implies(machine.fired(*confirmed) & machine.flag("reference_accepted")),
@@ -230,13 +241,17 @@ def _entitled(model: Odometry, end: int, reader: Reader) -> Bool:
 
 
 def _window(model: Odometry) -> Iterator[Property]:
-    """The window refuses no reading that is true; that it refuses what is far off is part of containment."""
-    ghosts = model.own.ghosts
+    """The window refuses no reading that is true; that it refuses what is far off is part of containment.
+
+    Where the first marker is trusted, no reading is stray, so that none is refused; the same claim then speaks of every reading.
+    """
+    ghosts, trusting = model.own.ghosts, model.own.config.trust_first_marker
     no_slip = all_of(one.next_wander.eq(earlier_num(one.wander)) for one in ghosts.units)
     for end, reader in enumerate(model.own.readers):
+        stray, outside = ghosts.readers[end].stray, reader.verdict.eq(OUT_OF_WINDOW)
         yield always(
             f"{('front', 'rear')[end]} reader over its marker is inside the window",
-            (no_slip & reader.verdict.eq(OUT_OF_WINDOW)).implies(ghosts.readers[end].stray),
+            (no_slip & ~stray).implies(~outside) if trusting else (no_slip & outside).implies(stray),
             statement="no reading of a marker that the reader stood over is refused as out of its window, in a cycle in "
             "which no unit slips (the one-off part of no unit's error changes)",
             requirements=("MRK-1", "MRK-5"),
@@ -253,7 +268,8 @@ def _selection(model: Odometry) -> Iterator[Property]:
         statement="the reported margin is the smallest of all usable ones: the machine never changes to a value with a greater margin",
         requirements=("MRK-D3", "MRK-D4"),
     )
-    candidate, of_front = machine.mode.eq(machine.modes[1]), own.devices[0].units
+    of_front = own.devices[0].units
+    candidate = FALSE if own.config.trust_first_marker else machine.mode.eq(machine.modes[1])
     better = [unit.alive.implies(valid & _no_worse(machine, unit)) for unit in of_front]
     yield for_all_inputs(
         "never worse than the front device alone",

@@ -62,5 +62,5 @@ def _contained(model: Odometry, more: tuple[Num, ...]) -> Bool:
         machine.mode.eq(mode).implies(
             between(position - below - wider, model.own.ghosts.truth, position + above + wider)
         )
-        for mode, wider in zip(machine.modes[2:], more, strict=True)
+        for mode, wider in zip(machine.modes[-len(more) :], more, strict=True)
     )

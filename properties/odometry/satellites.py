@@ -27,7 +27,7 @@ def returns(own: Parts) -> list[str]:
     """Return the transitions by which positions of satellites end a loss, where such positions are given."""
     if own.satellites is None:
         return []
-    return [CONFIRMS, *([TRUSTED] if own.config.trust_first_marker else [])]
+    return [TRUSTED if own.config.trust_first_marker else CONFIRMS]
 
 
 def properties(model: Odometry) -> Iterator[Property]:
@@ -44,12 +44,12 @@ def properties(model: Odometry) -> Iterator[Property]:
 
 def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
     """After a loss two references are needed, and the receiver is one only."""
-    machine, own = model.machine, model.own
-    if own.config.trust_first_marker:
+    machine, own, of_satellites = model.machine, model.own, given.candidate_of_satellites
+    if of_satellites is None:
         return
     valid = machine.flag("valid")
     by_marker = any_of(reader.verdict.eq(ACCEPTED) for reader in own.readers)
-    waits = before(machine.mode).eq(machine.modes[1]) & ~earlier_bool(given.candidate_of_satellites)
+    waits = before(machine.mode).eq(machine.modes[1]) & ~earlier_bool(of_satellites)
     yield for_all_inputs(
         "satellites alone end no loss",
         (valid & ~earlier_bool(valid)).implies(by_marker | waits),
@@ -61,17 +61,17 @@ def _loss(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
 
 def _candidate(model: Odometry, given: SatelliteReader) -> Iterator[Property]:
     """Claim that a candidate of satellites is known as one."""
-    machine, own = model.machine, model.own
-    if own.config.trust_first_marker:
+    machine, own, of_satellites = model.machine, model.own, given.candidate_of_satellites
+    if of_satellites is None:
         return
     candidate = machine.mode.eq(machine.modes[1])
     taken, marker = given.verdict.eq(CANDIDATE), any_of(reader.verdict.eq(CANDIDATE) for reader in own.readers)
     kept = candidate & before(machine.mode).eq(machine.modes[1]) & ~taken & ~marker
     yield for_all_inputs(
         "a candidate of satellites is known as one",
-        taken.implies(candidate & given.candidate_of_satellites)
-        & (marker & candidate).implies(~given.candidate_of_satellites)
-        & kept.implies(given.candidate_of_satellites.iff(earlier_bool(given.candidate_of_satellites))),
+        taken.implies(candidate & of_satellites)
+        & (marker & candidate).implies(~of_satellites)
+        & kept.implies(of_satellites.iff(earlier_bool(of_satellites))),
         statement="the machine stores whether the candidate is a position of satellites or a marker, as long as it waits",
         requirements=("MRK-D6", "MRK-D1"),
     )

@@ -20,6 +20,16 @@ from tests.theorems.odometry.front_only_claims import line_properties, propertie
 from tests.theorems.odometry.line_ahead import compose_line
 
 
+@pytest.mark.parametrize("trusted", [False, True])
+def test_the_comparison_is_made(trusted: bool) -> None:
+    """Its facts on a candidate are of machines that have one; the proofs below are slow, so that an error here would be noticed late."""
+    whole = compose_comparison(OdometryConfig(trust_first_marker=trusted))
+    facts = {str(name) for name in whole.composition.system.lemmas}
+    assert any("lost together" in name for name in facts)
+    assert trusted != any("a candidate together" in name for name in facts)
+    assert len(properties(whole)) == 2
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("trusted", [False, True])
 def test_never_worse_than_the_front_reader_alone(trusted: bool) -> None:

@@ -90,7 +90,7 @@ def undisturbed(model: Odometry) -> Bool:
 def _same_stream(both: Odometry, alone: Odometry) -> dict[Var, Expr]:
     wires: dict[Var, Expr] = {}
     for unit, other in zip(alone.own.units, both.own.devices[0].units, strict=True):
-        wires |= _reads(other.step, unit.measured)
+        wires |= _reads(other.measured, unit.measured)
     front, rear = alone.own.readers
     for here, there in zip(front.inputs, both.own.readers[0].inputs, strict=True):
         wires |= _reads(there, here)
@@ -122,14 +122,19 @@ def _lemmas(whole: Comparison) -> Iterator[tuple[str, Bool]]:
     both, alone = whole.both, whole.alone
     yield "both run forward", whole.of_both.bool(~both.own.backwards) & whole.of_alone.bool(~alone.own.backwards)
     yield from _same_values(whole)
-    here, there = (machine.mode for machine in (both.machine, alone.machine))
-    names = ("lost", "a candidate")
-    for name, mode, other in zip(names, both.machine.modes, alone.machine.modes, strict=False):
-        yield f"{name} together", whole.of_both.bool(here.eq(mode)).implies(whole.of_alone.bool(there.eq(other)))
-    rear, candidate = both.own.devices[1].values.alive, here.eq(both.machine.modes[1])
+    yield "lost together", _together(whole, "DELOCALIZED")
+    if both.own.config.trust_first_marker:  # no marker is a candidate
+        return
+    yield "a candidate together", _together(whole, "CANDIDATE")
+    rear, candidate = both.own.devices[1].values.alive, both.in_mode("CANDIDATE")
     yield "no rear device beside a candidate", whole.of_both.bool(candidate.implies(~rear))
-    waiting = there.eq(alone.machine.modes[1]).implies(alone.own.devices[0].values.alive)
+    waiting = alone.in_mode("CANDIDATE").implies(alone.own.devices[0].values.alive)
     yield "a candidate of the front reader alone is alive", whole.of_alone.bool(waiting)
+
+
+def _together(whole: Comparison, label: str) -> Bool:
+    """Where the machine with both readers is in that mode, the other one is too."""
+    return whole.of_both.bool(whole.both.in_mode(label)).implies(whole.of_alone.bool(whole.alone.in_mode(label)))
 
 
 def _same_values(whole: Comparison) -> Iterator[tuple[str, Bool]]:
