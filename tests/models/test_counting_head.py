@@ -206,7 +206,7 @@ TIMES: dict[str, tuple[str, Edit, str]] = {
         "the samples since both channels are counted",
     ),
 }
-ALONE = wheel_time._alone_after  # noqa: SLF001
+ALONE = wheel_time._alone_after
 
 
 def _lacks(claim: str) -> bool:
@@ -402,14 +402,14 @@ def last_damped(steps: Steps, channel: str) -> int:
     return max(n for n, step in enumerate(steps) if step[f"channel_{channel}_damped"])
 
 
-@pytest.mark.parametrize(("channel", "speed_mm_s"), [("b", 60_000), ("a", -60_000), ("b", 9_000)])
+@pytest.mark.parametrize(("channel", "speed_mm_s"), [("b", 60_000), ("a", -60_000), ("b", 20_000)])
 def test_a_channel_that_comes_free_by_itself_leaves_no_wrong_length(channel: str, speed_mm_s: int) -> None:
-    """It stays damped under the last wheel, and is free before the train has certainly passed. The wheel is counted late: at most as
-    late as the proof says (`LATE_MM`), or there is no record.
+    """It stays damped under the last wheel, and is free before the train has certainly passed. The wheel is counted late, and the length is
+    true, or there is no record.
     """
     steps, sound = passage(speed_mm_s), 0
     begin = last_damped(steps, channel)
-    for late in range(0, 1_000, 50 if speed_mm_s == 9_000 else 10):
+    for late in range(0, 600, 25):
         records = sound_records(heard(named(comes_free(steps, channel, begin, late)), abs(speed_mm_s)))
         for record in records:
             assert record["record_axles"] == len(WHEELS)
@@ -460,7 +460,8 @@ def test_times_that_would_refuse_a_sound_wheel_are_refused(figures: dict[str, in
 def records(name: str) -> list[tuple[str, int, bool]]:
     """The records of a run: direction, axles, fault, of each cycle in which there was something."""
     system = without_ghosts(compose_machines(CONFIG).composition.system)
-    steps = [{k: v for k, v in step.items() if k != "axle_head.next_wheel_um"} for step in RUNS[name].steps(CONFIG)]
+    truth = ("axle_head.next_wheel_um", "head_cycle.next_speed_um_s")
+    steps = [{k: v for k, v in step.items() if k not in truth} for step in RUNS[name].steps(CONFIG)]
     trace = run(system, steps)
     done = [step.outputs for step in trace.steps if step.outputs["head_cycle.cycle_done"]]
     told = [
