@@ -6,7 +6,7 @@
 A step is a sample. The axle counter takes a step once a cycle (some two hundred samples), so the three are no composition. What
 binds them is a contract of one cycle (models.vocabulary.head_contract): here it is proved of every row of samples that makes a cycle, and
 the law that the counter's world assumes of each of its cycles follows from it, and allows besides that a channel stays damped. Cycles do
-not overlap, and each sample is in one.
+not overlap, and each sample is in one. A channel that stays damped and comes free by itself is told by how long a wheel damps each of the two.
 """
 
 from __future__ import annotations
@@ -21,8 +21,15 @@ from safeloc.models.counting_head.configuration import CountingHeadConfig
 from safeloc.models.counting_head.cycle import HeadCycle, head_cycle
 from safeloc.models.counting_head.world import HEARD, PLACE
 
-__all__ = ["CountingHead", "CountingHeadConfig", "compose_machines"]
+__all__ = ["TOLD_TO_THE_COUNTER", "CountingHead", "CountingHeadConfig", "compose_machines"]
 NAME = "counting_head"
+TOLD_TO_THE_COUNTER = {
+    "cycle_axle": "axle",
+    "cycle_axles": "axles_in_cycle",
+    "cycle_fault": "head_fault",
+    "cycle_damped": "head_damped",
+}
+"""Outputs of `head_cycle` at the end of a cycle -> inputs of the axle counter; without an axle `axles_in_cycle` is 1, its least."""
 
 
 @dataclass(frozen=True, eq=False)

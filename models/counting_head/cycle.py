@@ -4,7 +4,7 @@
     DONE     the last sample of the cycle: the record has its axles and their direction, or a fault; and whether the head is damped
 
 A cycle is at fault if the head was disturbed in one of its samples, if a wheel left the head without being counted or went back on it, if
-axles passed both ways, or more than the counter takes. A channel that is silent makes every wheel leave uncounted; one that stays
+one was counted that took too long over the head (models.counting_head.wheel_time), if axles passed both ways, or more than the counter takes. A channel that is silent makes every wheel leave uncounted; one that stays
 damped makes every wheel go back. Only a channel that begins to stay damped under a wheel leaves this one uncounted without a fault: then
 the head is damped at the end of that cycle and of each one until the next wheel, and the counter is told.
 """

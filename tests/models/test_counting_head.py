@@ -23,7 +23,7 @@ from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.axle_counter.passage import Parts as CounterParts
 from safeloc.models.axle_head import AXLE, DOWN, NO_AXLE, UP, AxleHeadConfig
 from safeloc.models.axle_head import simulate as head
-from safeloc.models.counting_head import CountingHeadConfig, compose_machines, cycle, wheel_time
+from safeloc.models.counting_head import TOLD_TO_THE_COUNTER, CountingHeadConfig, compose_machines, cycle, wheel_time
 from safeloc.models.counting_head.configuration import WheelTimes
 from safeloc.models.counting_head.simulate import RUNS, failing, named
 from safeloc.models.counting_head.variables import Parts
@@ -337,13 +337,27 @@ CLEAR: dict[str, Cell] = {
 
 
 def _cycle(told: Mapping[str, Value], speed_mm_s: int) -> dict[str, Cell]:
-    way = AXLE[int(told["head_cycle.cycle_axle"])]
+    """What the counter is told, by the names of the hand-over, and the bounds of the speed."""
+    names = {outer: f"head_cycle.{inner}" for inner, outer in TOLD_TO_THE_COUNTER.items()}
+    way = AXLE[int(told[names["axle"]])]
+    states: dict[str, Cell] = {name: bool(told[names[name]]) for name in ("head_fault", "head_damped")}
     axles: dict[str, Cell] = {
-        "axle": way.label, "axles_in_cycle": int(told["head_cycle.cycle_axles"]),
+        "axle": way.label, "axles_in_cycle": int(told[names["axles_in_cycle"]]),
         "axle_speed_low_mm_s": speed_mm_s - 500, "axle_speed_high_mm_s": speed_mm_s + 500,
     }  # fmt: skip
-    states = {f"head_{name}": bool(told[f"head_cycle.cycle_{name}"]) for name in ("fault", "damped")}
     return CLEAR | {"passage_over": False} | states | ({} if way is NO_AXLE else axles)
+
+
+def test_the_counter_is_told_by_name() -> None:
+    """Each output of the hand-over is one of the head, and each input one of the counter: all but speeds and the end of a passage."""
+    head_outputs, own = compose_machines(CONFIG).cycle.machine.outputs, axle_counter.machine(CONFIG.counter)
+    assert TOLD_TO_THE_COUNTER.keys() == head_outputs.keys() - {"cycle_done"}
+    inputs = {
+        one.name
+        for one in lower(own).inputs
+        if not one.name.startswith(("axle_speed", "true_", "next_true", "axle_true"))
+    }
+    assert {*TOLD_TO_THE_COUNTER.values(), "passage_over"} == inputs - {one.name for one in lower(own).ghosts}
 
 
 @cache
