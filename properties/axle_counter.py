@@ -14,6 +14,7 @@ from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
+from safeloc.properties import late_axles
 from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-3", "FVA-5", "FVA-12", "FVA-14")
@@ -28,8 +29,7 @@ def properties(model: AxleCounter) -> list[Property]:
     return [
         *_truth(model),
         *_within_bounds(model),
-        *_room_for_late_axles(model),
-        *_room_is_no_wider(model),
+        *late_axles.claims(model, _SAFE, _CLAIMS),
         *_exact(model),
         *_narrow_speeds(model),
         *_narrow_runs(model),
@@ -100,43 +100,6 @@ def _within_bounds(model: AxleCounter) -> Iterator[Property]:
             ),
             f"a sound record's bounds contain {meant[name]}",
         )
-
-
-def _room_for_late_axles(model: AxleCounter) -> Iterator[Property]:
-    """Claim that a record is true also if axles were counted late: the world's own length and run are those of the axles as counted."""
-    machine, own = model.machine, model.own
-    sound, late = machine.flag("record_sound"), Lit(own.config.late_mm * 1_000_000, NM)
-    low, high, run_low, run_high = (
-        exact_to(machine.output(f"record_{name}_um"), NM)
-        for name in ("length_low", "length_high", "run_low", "run_high")
-    )
-    length, run = _ahead(model, own.length), _ahead(model, own.run)
-    yield _SAFE.lawful(
-        "length is true of axles that are counted late",
-        sound.implies(between(low, length - late, high) & between(low, length + late, high)),
-        "a sound record's bounds contain the length from first to last axle, whichever of the two was counted up to the figure beyond the head",
-    )
-    yield _SAFE.lawful(
-        "place is true of an axle that is counted late",
-        sound.implies(between(run_low, run, run_high) & between(run_low, run + late, run_high)),
-        "a sound record's bounds contain the place of the first axle, also if it was counted up to the figure beyond the head",
-    )
-
-
-def _room_is_no_wider(model: AxleCounter) -> Iterator[Property]:
-    """Claim that a record is wider than what is known of the axles as counted by that figure alone."""
-    machine, own = model.machine, model.own
-    late, sound = Lit(own.config.late_mm * 1_000, UM), machine.flag("record_sound")
-    yield _held(
-        "a record leaves no more room than for late axles",
-        sound.implies(
-            (machine.output("record_length_low_um") >= own.length_low - late)
-            & (machine.output("record_length_high_um") <= own.length_high + late)
-            & (machine.output("record_run_low_um") >= own.run_low)
-            & (machine.output("record_run_high_um") <= own.run_high + late)
-        ),
-        "a sound record's bounds of length and place are those of the axles as counted, and the figure beyond them",
-    )
 
 
 def _exact(model: AxleCounter) -> Iterator[Property]:
