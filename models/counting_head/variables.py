@@ -45,8 +45,8 @@ class Parts:
         self.mode_before = declared.state(
             choice("head_mode_before", enumeration(self.head_modes)), first=self.head_modes[0]
         )
-        self.first_alone = declared.state(number("first_alone_samples", COUNT, 0, slow), first=0)
-        self.since_both = declared.state(number("since_both_samples", COUNT, 0, self.longest + 1), first=0)
+        self.first_alone = declared.state(number("first_alone", COUNT, 0, slow), first=0)
+        self.since_both = declared.state(number("since_both", COUNT, 0, self.longest + 1), first=0)
         self.true_samples = declared.ghost(number("true_samples", COUNT, 0, samples), first=0)
         self.true_axles_upwards = declared.ghost(number("true_axles_upwards", COUNT, 0, samples), first=0)
         self.true_axles_downwards = declared.ghost(number("true_axles_downwards", COUNT, 0, samples), first=0)
