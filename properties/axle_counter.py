@@ -14,6 +14,7 @@ from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
+from safeloc.properties import late_axles
 from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-3", "FVA-5", "FVA-12", "FVA-14")
@@ -28,6 +29,7 @@ def properties(model: AxleCounter) -> list[Property]:
     return [
         *_truth(model),
         *_within_bounds(model),
+        *late_axles.claims(model, _SAFE, _CLAIMS),
         *_exact(model),
         *_narrow_speeds(model),
         *_narrow_runs(model),
@@ -416,7 +418,8 @@ def _recorded(model: AxleCounter) -> Iterator[Property]:
     _, _, passing, done = machine.modes
     mode, before_, sound = machine.mode, before(machine.mode), machine.flag("record_sound")
     ready = machine.flag("record_ready")
-    known = own.length_high - own.length_low <= Lit(own.config.length_spread_mm * 1_000, UM)
+    room = 2 * own.config.late_mm
+    known = own.length_high - own.length_low + room * 1_000 <= Lit(own.config.length_spread_mm * 1_000, UM)
     yield _held(
         "a passage ends with its record",
         (before_.eq(passing) & mode.eq(done)).implies(

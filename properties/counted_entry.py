@@ -20,7 +20,7 @@ from safeloc.models.verification.variables import VERIFIED
 from safeloc.properties import axle_counter, verification
 
 LAW = (
-    f"{axle_counter.LAW}; no vehicle overhangs its axles farther than configured; no train runs faster than the top speed, and no other "
+    f"{axle_counter.LAW}; no vehicle overhangs its axles, and no axle is counted beyond the head, farther than configured; no train runs faster than the top speed, and no other "
     "one takes its place unreported; nothing is assumed of the messages of the fibre, the emitter or train control"
 )
 REQUIREMENTS = ("FVA-3", "FVA-12", "FVA-4", "FVA-13")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import Bool, Lit, Num, as_num, ite
+from safeloc.language.expr import Bool, Lit, Num, any_of, as_num, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, previous, reachable
-from safeloc.language.units import COUNT
+from safeloc.language.units import COUNT, UM_S
 from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 from safeloc.models.counting_head import CountingHead
 from safeloc.models.vocabulary.head_contract import counts_every_axle
@@ -15,6 +15,7 @@ from safeloc.properties.claims import Claims
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 _BACK = ("turned back to A", "turned back to B", "turned back to both, upwards", "turned back to both, downwards")
 LAW = "one wheel at a time, sampled often enough, and no false damping"
+_BRAKES = f"{LAW}; trains keep to their traction and brakes"
 
 
 def properties(model: CountingHead) -> list[Property]:
@@ -23,7 +24,10 @@ def properties(model: CountingHead) -> list[Property]:
         *_contract(model),
         *_cycles(model),
         *_faults(model),
+        *_wheel_times(model),
+        *_late(model),
         *_no_more_faults(model),
+        *_not_refused(model),
         *_added(model),
         *_damped(model),
         *_reached(model),
@@ -119,6 +123,52 @@ def _mode_is_kept(model: CountingHead) -> Bool:
     return of.num(model.cycle.own.mode_before).eq(head.num(model.head.machine.mode))
 
 
+def _times_before(model: CountingHead) -> tuple[Num, Num]:
+    """Return the samples of the first channel alone, and those since both were damped, before this sample."""
+    of, own = model.composition.of(model.cycle.machine), model.cycle.own
+    return earlier_num(of.num(own.first_alone)), earlier_num(of.num(own.since_both))
+
+
+def _wheel_times(model: CountingHead) -> Iterator[Property]:
+    """Claim how the samples of a wheel are counted."""
+    of, own, head = model.composition.of(model.cycle.machine), model.cycle.own, model.head.machine
+    in_head = model.composition.of(head)
+    mode, (free, a_first, _, _, b_first, *_) = in_head.num(head.mode), head.modes
+    alone, since = _times_before(model)
+    slow, longest = model.config.wheel.slow_samples, own.since_both.high
+    first, back = mode.one_of(a_first, b_first), in_head.bool(head.fired(*_BACK))
+    more = alone + ite(first, as_num(1, COUNT), 0)
+    counted = ite(back | (more > slow), as_num(slow, COUNT), more)
+    yield _held(
+        "the samples of the first channel alone are counted",
+        of.num(own.first_alone).eq(ite(mode.eq(free), as_num(0, COUNT), counted)),
+        "from a free head on, one for each sample in which the channel that was damped first is damped alone; as many as of a slow wheel once "
+        "a wheel has gone back",
+    )
+    rest = ite(since >= longest, as_num(longest, COUNT), since + 1)
+    yield _held(
+        "the samples since both channels are counted",
+        of.num(own.since_both).eq(ite(first | mode.eq(free), as_num(0, COUNT), rest)),
+        "from the first sample on in which both channels are damped, one for each sample until the head is free",
+    )
+
+
+def _took_too_long(model: CountingHead) -> Bool:
+    """Return whether an axle is counted of a wheel that took too long, or may have stopped on the head."""
+    (alone, since), wheel = _times_before(model), model.config.wheel
+    *_, counted = _some(model)
+    return counted & ((alone >= wheel.slow_samples) | (since - alone * wheel.times_as_long > wheel.more_samples))
+
+
+def _late(model: CountingHead) -> Iterator[Property]:
+    yield _held(
+        "a wheel that is counted late is a fault of the cycle",
+        _took_too_long(model).implies(_flawed(model)),
+        "where an axle is counted, and the head was damped since both channels were for more than a few times as long as the first channel "
+        "alone, or that one for so long that the wheel may have stopped, the cycle is at fault",
+    )
+
+
 def _no_more_faults(model: CountingHead) -> Iterator[Property]:
     """Claim that nothing else is a fault."""
     flawed = _flawed(model)
@@ -137,11 +187,31 @@ def _no_more_faults(model: CountingHead) -> Iterator[Property]:
             | earlier_bool(disturbed)
             | uncounted
             | went_back
+            | _took_too_long(model)
             | ((ups > 0) & (downs > 0))
             | (ups + downs > model.config.counter.axles_a_cycle)
         ),
-        "a cycle is at fault only by a disturbance, a wheel that leaves uncounted or goes back on the head, axles both ways, or more axles "
-        "than the counter takes",
+        "a cycle is at fault only by a disturbance, a wheel that leaves uncounted, goes back on the head or is counted late, axles both ways, "
+        "or more axles than the counter takes",
+    )
+
+
+def _not_refused(model: CountingHead) -> Iterator[Property]:
+    """Claim that the times of a wheel that cannot stop on the head refuse none."""
+    of, own = model.composition.of(model.cycle.machine), model.cycle.own
+    end = 1_000 * (2 * model.config.head.spacing_mm + model.config.head.overlap_mm)
+    place = model.composition.of(model.head.machine).num(model.head.own.wheel)
+    on = any_of((one >= 0) & (one < end) for one in (place, earlier_num(place)))
+    sure = of.num(own.speed_came) >= Lit(1_000 * model.config.wheel.sure_speed_mm_s, UM_S)
+    ups, downs = of.num(own.axles_upwards), of.num(own.axles_downwards)
+    others = ((ups > 0) & (downs > 0)) | (ups + downs > model.config.counter.axles_a_cycle)
+    yield always(
+        "no wheel that comes fast enough is refused",
+        (on & sure & ~(earlier_bool(_flawed(model)) & ~_first_sample(model)) & ~others).implies(~_flawed(model)),
+        statement="a wheel that comes on the head at the sure speed or faster makes no fault, neither on the head nor as it leaves, whatever "
+        "its train's traction or brakes do",
+        requirements=REQUIREMENTS,
+        assumption=_BRAKES,
     )
 
 

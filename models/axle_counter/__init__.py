@@ -11,6 +11,9 @@ train has passed when it has certainly run farther than its longest distance bet
 wheel may have come that it has not counted, and there is no record. If the train runs too slowly for that,
 an axle that comes after a pause as long as the headway may be another train's, and spoils the passage.
 
+A head whose channel comes free late may count a wheel up to `late_mm` beyond it. So the first axle may lie that much farther on than the run says, and
+the length may be that much shorter or longer; the record has room for both.
+
 The run is counted from the first axle in whole um, positive in the direction in which the train came.
 """
 
@@ -86,7 +89,7 @@ def build(own: Parts) -> AxleCounter:
 
 def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
     """Return the outputs: the record in the cycle in which it is ready, otherwise zeros."""
-    sound = done & own.flaw.eq(SOUND)
+    sound, late = done & own.flaw.eq(SOUND), own.config.late_mm * UM_PER_MM
 
     def if_ready(term: Num) -> Num:
         return ite(sound, term, 0)
@@ -95,12 +98,12 @@ def _outputs(own: Parts, done: Bool) -> dict[str, Expr]:
         "record_ready": done,
         "record_sound": sound,
         "record_axles": if_ready(own.axles_counted),
-        "record_length_low_um": if_ready(own.length_low),
-        "record_length_high_um": if_ready(own.length_high),
+        "record_length_low_um": if_ready(own.length_low - late),
+        "record_length_high_um": if_ready(own.length_high + late),
         "record_speed_low_mm_s": if_ready(own.speed_low),
         "record_speed_high_mm_s": if_ready(own.speed_high),
         "record_run_low_um": if_ready(own.run_low),
-        "record_run_high_um": if_ready(own.run_high),
+        "record_run_high_um": if_ready(own.run_high + late),
         "record_direction": own.direction,
         "record_flaw": own.flaw,
     }

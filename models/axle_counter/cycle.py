@@ -73,8 +73,9 @@ class Cycle:
 
     @cached_property
     def length_known(self) -> Bool:
-        """The bounds of the length are close enough to be used."""
-        return self.own.length_high - self.own.length_low <= self.own.config.length_spread_mm * UM_PER_MM
+        """The bounds of the length, with room for axles that were counted late, are close enough to be used."""
+        room = (self.own.config.length_spread_mm - 2 * self.own.config.late_mm) * UM_PER_MM
+        return self.own.length_high - self.own.length_low <= room
 
     @cached_property
     def maybe_another(self) -> Bool:

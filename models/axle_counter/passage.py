@@ -38,11 +38,20 @@ class AxleCounterConfig(Config):
     max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
     change_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure] traction and brake, figures section 2")
     axles_a_cycle: int = quantity(10, "axles", 1, 400, "[D] 1.8 m apart at 350 km/h in 100 ms: 6, with room")
-    axle_gap_mm: int = quantity(20_000, "mm", 1_000, 50_000, "[M] longest distance between two axles of a train")
+    axle_gap_mm: int = quantity(
+        20_000, "mm", 1_000, 50_000, "[M] longest distance between two axles of a train, as counted: late_mm included"
+    )
     axle_limit: int = quantity(1_000, "axles", 2, 100_000, "[D] trains of 250 wagons")
     length_limit_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     length_spread_mm: int = quantity(20_000, "mm", 1, 1_000_000, "[D] wider bounds give no length")
 
+    late_mm: int = quantity(
+        650,
+        "mm",
+        0,
+        10_000,
+        "[D] run beyond the head of a wheel that a channel counts late: 610 mm, proved with counting_head",
+    )
     headway_ms: int = quantity(
         30_000, "ms", 1_000, 3_600_000, "[M, fairly sure] trains that follow each other: a minute"
     )

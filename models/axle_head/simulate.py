@@ -45,12 +45,17 @@ def samples(config: AxleHeadConfig, rolls: Sequence[Roll]) -> Steps:
 
 def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
     """Return eight vehicles of two or four wheels, in either direction, each at its own speed."""
+    return samples(config, drawn(config, seed=seed))
+
+
+def drawn(config: AxleHeadConfig, *, seed: int) -> list[Roll]:
+    """Return the rolls of eight vehicles of two or four wheels, in either direction, each at its own speed."""
     rng = Random(seed)
     rolls = []
     for _ in range(8):
         wheels = (0, _BOGIE_MM) if rng.random() < 0.5 else (0, rng.randint(4_000, 9_000))
         rolls.append(through(config, wheels, rng.choice((1, -1)) * rng.randint(5_000, config.max_speed_mm_s)))
-    return samples(config, rolls)
+    return rolls
 
 
 def _length_mm(config: AxleHeadConfig) -> int:

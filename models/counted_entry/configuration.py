@@ -36,11 +36,11 @@ class CountedEntryConfig(Config):
     @model_validator(mode="after")
     def _fits(self) -> CountedEntryConfig:
         """Refuse figures with which the counter's record would not be an input of the verification."""
-        longest = -(-self.counter.run_limit_um // UM_PER_MM)
+        longest = -(-self.counter.run_limit_um // UM_PER_MM) + self.counter.late_mm
         if self.verification.length_limit_mm < longest:
             raise ValueError(
                 f"verification.length_limit_mm {self.verification.length_limit_mm} is below {longest}, by which the counter bounds a "
-                "passage (counter.length_limit_mm, axle_gap_mm and the run of a cycle); raise it."
+                "passage (counter.length_limit_mm, axle_gap_mm, late_mm and the run of a cycle); raise it."
             )
         farthest = abs(self.counter_mm) + 2 * longest + self.overhang_mm + 1
         if self.verification.position_limit_mm < farthest:

@@ -66,6 +66,7 @@ class _Followed:
         truth: dict[str, Cell] = {
             "train.next_front_nm": self._front_nm, "train.next_front_speed_um_s": speed,
             "train.next_overhang_nm": _OVERHANG_MM * NM_PER_MM,
+            "train.first_axle_counted_beyond_nm": 0, "train.last_axle_counted_beyond_nm": 0,
         }  # fmt: skip
         told = self._fibre(self._readings(state, speed)) if self._here else {"associated": False}
         return truth | {f"verification_doubted.{name}": cell for name, cell in _quiet(leaves, told).items()}

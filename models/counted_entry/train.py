@@ -1,7 +1,8 @@
 """The train that the counter has counted last: it is the train that the verification speaks of.
 
 The machine computes nothing. Its world says which train a record is of: the one that has just passed the head. Axles and length are
-those that the counter's own world counted of it; its front is the foremost axle that passed, and the overhang before it.
+those that the counter's own world counted of it; its front is the foremost axle that passed, and the overhang before it. Each axle may have been
+counted a little beyond the head.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from safeloc.language.expr import (
     BoolVar,
     Num,
     NumVar,
+    all_of,
     as_num,
     between,
     boolean,
@@ -79,7 +81,8 @@ def train(config: CountedEntryConfig, counter: CounterParts, verified: Verificat
     next_front = declared.choice(number("next_front_nm", NM, -farthest, farthest))
     next_speed = declared.choice(number("next_front_speed_um_s", UM_S, -fastest, fastest))
     next_overhang = declared.choice(number("next_overhang_nm", NM, 0, counter.length.high))
-    passed = config.counter_mm * NM_PER_MM + _foremost(counted) + next_overhang
+    late = _late(declared, config)
+    passed = config.counter_mm * NM_PER_MM + _foremost(counted, late) + next_overhang
     made = declared.machine(
         name=NAME,
         modes=table,
@@ -88,12 +91,20 @@ def train(config: CountedEntryConfig, counter: CounterParts, verified: Verificat
         world=declared.world(
             moves={
                 axles: ite(recorded, minimum(counted.axles, axles.high), axles),
-                length: ite(recorded, _length(counted, length), length),
+                length: ite(recorded, _length(counted, late, length), length),
                 front: ite(recorded, passed, next_front),
                 speed: ite(recorded, counted.speed, next_speed),
                 overhang: next_overhang,
             },
             clauses={
+                "no axle is counted farther beyond the head": Law(
+                    all_of(between(0, one, config.counter.late_mm * NM_PER_MM) for one in late),
+                    "A wheel is counted where it has left the head, or by a channel that comes free late at most so far beyond.",
+                    ("late_mm",),
+                    "[D] proved of the head's machines with one channel that comes free late",
+                    "supplier",
+                    "type test: how long a channel stays damped after its wheel",
+                ),
                 "no vehicle overhangs its axles farther": Law(
                     between(0, next_overhang, config.overhang_mm * NM_PER_MM),
                     "From the outermost axle of a train to its end it is no farther than the figure.",
@@ -104,7 +115,8 @@ def train(config: CountedEntryConfig, counter: CounterParts, verified: Verificat
                 )
             },
         ),
-        doc="The train of the last record, as the counter's world knows it. Assumed: no vehicle overhangs its axles farther than configured.",
+        doc="The train of the last record, as the counter's world knows it. Assumed: no vehicle overhangs its axles, and no axle is counted beyond the "
+        "head, farther than configured.",
     )  # fmt: skip
     return Train(made, recorded, counted, axles, length, front, speed)
 
@@ -119,15 +131,24 @@ def _counted(declared: Declared, counter: CounterParts) -> Counted:
     )
 
 
-def _foremost(counted: Counted) -> Num:
+def _late(declared: Declared, config: CountedEntryConfig) -> tuple[NumVar, NumVar]:
+    """Return how far beyond the head the first and the last axle were when they were counted."""
+    most = 2 * config.counter.late_mm * NM_PER_MM
+    first, last = (number(f"{axle}_axle_counted_beyond_nm", NM, 0, most) for axle in ("first", "last"))
+    return declared.choice(first), declared.choice(last)
+
+
+def _foremost(counted: Counted, late: tuple[NumVar, NumVar]) -> Num:
     """Return the place of the axle that lies farthest up the line, from the counter: of a train that came downwards the last one."""
-    return ite(counted.upwards, counted.run, counted.run - counted.length)
+    first, last = late
+    return ite(counted.upwards, counted.run + first, counted.run - counted.length - last)
 
 
-def _length(counted: Counted, length: NumVar) -> Num:
+def _length(counted: Counted, late: tuple[NumVar, NumVar], length: NumVar) -> Num:
     """Return the length from first to last axle, in whole um.
 
     Of a train whose axles all passed one way it is not negative; the counter's world does not say so.
     """
-    ahead = maximum(ite(counted.upwards, counted.length, -counted.length), as_num(0, NM))
+    first, last = late
+    ahead = maximum(ite(counted.upwards, counted.length, -counted.length) + first - last, as_num(0, NM))
     return minimum(floor_to(ahead, UM), length.high)

@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
+from safeloc.language.units import UM_PER_MM
 from safeloc.models.axle_head import simulate as head
 from safeloc.models.counting_head import CountingHeadConfig
 from safeloc.proof.drawn_runs.worked import Steps, WorkedRun, write_named
@@ -20,6 +21,17 @@ def named(steps: Steps) -> Steps:
     return [{f"axle_head.{name}": value for name, value in step.items()} for step in steps]
 
 
+def rolled(config: CountingHeadConfig, rolls: Sequence[head.Roll]) -> Steps:
+    """Return rolls at one speed each as steps of the composition, with the wheels' speed."""
+
+    def steps(roll: head.Roll) -> Steps:
+        [(speed_mm_s, _)] = roll.speeds
+        speed: dict[str, Cell] = {"head_cycle.next_speed_um_s": speed_mm_s * UM_PER_MM}
+        return [step | speed for step in named(head.samples(config.head, [roll]))]
+
+    return [step for roll in rolls for step in steps(roll)]
+
+
 def _whole(config: CountingHeadConfig, steps: Steps) -> Steps:
     """Return the steps with as many more like the last one as end its cycle."""
     return [*steps, *[steps[-1]] * (-len(steps) % config.samples)]
@@ -27,7 +39,7 @@ def _whole(config: CountingHeadConfig, steps: Steps) -> Steps:
 
 def simulate(config: CountingHeadConfig, *, seed: int) -> Steps:
     """Return eight vehicles of two or four wheels, in either direction, each at its own speed."""
-    return named(head.simulate(config.head, seed=seed))
+    return rolled(config, head.drawn(config.head, seed=seed))
 
 
 def failing(steps: Steps, channel: str, *, damped: bool, begin: int) -> Steps:
@@ -50,13 +62,13 @@ def _service(config: CountingHeadConfig) -> Steps:
         head.through(config.head, (0, _BOGIE_MM, 8_800, 11_300), 30_000),
         head.through(config.head, (0, _BOGIE_MM), -36_000),
     ]
-    return named(_whole(config, head.samples(config.head, rolls)))
+    return _whole(config, rolled(config, rolls))
 
 
 def _both_ways(config: CountingHeadConfig) -> Steps:
     """One axle up and, within the same cycle of the counter, another one down."""
     rolls = [head.through(config.head, (0,), 36_000), head.through(config.head, (0,), -36_000)]
-    return named(_whole(config, head.samples(config.head, rolls)))
+    return _whole(config, rolled(config, rolls))
 
 
 def _silent(config: CountingHeadConfig) -> Steps:
@@ -71,6 +83,20 @@ def _stays_damped(config: CountingHeadConfig) -> Steps:
     return named(failing(_whole(config, steps), "b", damped=True, begin=len(steps) // 5))
 
 
+def _comes_free_late(config: CountingHeadConfig) -> Steps:
+    """Channel B stays damped under the last of two wheels for another 200 ms."""
+    steps = head.samples(config.head, [head.through(config.head, (0, _BOGIE_MM), 30_000)])
+    longer = [*steps, *[steps[-1]] * 450]
+    begin = max(number for number, step in enumerate(steps) if step["channel_b_damped"])
+    damped, sound = (failing(longer, "b", damped=True, begin=one) for one in (begin, len(longer)))
+    return named(_whole(config, [*damped[: begin + 400], *sound[begin + 400 :]]))
+
+
+def _slow(config: CountingHeadConfig) -> Steps:
+    """A wheel that is so slow that it could stop on the head."""
+    return _whole(config, rolled(config, [head.through(config.head, (0,), 1_000)]))
+
+
 RUNS: Mapping[str, WorkedRun[CountingHeadConfig]] = {
     "counting_head-service": WorkedRun("Four axles upwards, then two downwards: each cycle reports its own.", _service),
     "counting_head-both-ways": WorkedRun(
@@ -81,6 +107,13 @@ RUNS: Mapping[str, WorkedRun[CountingHeadConfig]] = {
     ),
     "counting_head-damped-channel": WorkedRun(
         "A channel stays damped: each wheel after that goes back on the head, and its cycle is at fault.", _stays_damped
+    ),
+    "counting_head-late-channel": WorkedRun(
+        "A channel stays damped under the last wheel, and comes free by itself after 200 ms: the wheel is counted late, and its cycle is at fault.",
+        _comes_free_late,
+    ),
+    "counting_head-slow": WorkedRun(
+        "A wheel at walking pace: its cycle is at fault, since it could have stopped on the head.", _slow
     ),
 }
 """The recordings that ship, by name."""

@@ -74,6 +74,12 @@ def _length_rounded_in(whole: CountedEntry, _: Wires) -> Wires:
     return {whole.verified.own.record_length_high: maximum(floor_to(high, MM), as_num(0, MM))}
 
 
+def _no_room_for_late_axles(whole: CountedEntry, _: Wires) -> Wires:
+    """The length is that of the axles as counted."""
+    high, late = whole.counter.machine.output("record_length_high_um"), whole.config.counter.late_mm
+    return {whole.verified.own.record_length_high: maximum(ceil_to(high, MM) - late, as_num(0, MM))}
+
+
 def _always_upwards(whole: CountedEntry, _: Wires) -> Wires:
     """The place and the speed of every train as those of one that came upwards."""
     machine, own, config = whole.counter.machine, whole.verified.own, whole.config
@@ -103,7 +109,7 @@ def _older(whole: CountedEntry, _: Wires) -> Wires:
 
 
 WRONG: tuple[Wrong, ...] = (
-    _any_record, _one_axle_more, _length_rounded_in, _always_upwards, _no_overhang, _speed_of_the_other_way,
+    _any_record, _one_axle_more, _length_rounded_in, _no_room_for_late_axles, _always_upwards, _no_overhang, _speed_of_the_other_way,
 )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ that come of them (FVA-4).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,22 +15,20 @@ from safeloc.codegen.compiled import Compiled, compile_system
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import FALSE, TRUE, Bool, Expr, Lit, Num, as_num, ite
 from safeloc.language.interpret import run
-from safeloc.language.nodes import Value
-from safeloc.language.system import lower, without_ghosts
+from safeloc.language.system import without_ghosts
 from safeloc.language.units import COUNT
 from safeloc.models import axle_counter
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.axle_counter.passage import Parts as CounterParts
 from safeloc.models.axle_head import AXLE, DOWN, NO_AXLE, UP, AxleHeadConfig
 from safeloc.models.axle_head import simulate as head
-from safeloc.models.counting_head import CountingHeadConfig, compose_machines, cycle
-from safeloc.models.counting_head.cycle import Parts
+from safeloc.models.counting_head import CountingHeadConfig, compose_machines, cycle, wheel_time
 from safeloc.models.counting_head.simulate import RUNS, failing, named
+from safeloc.models.counting_head.variables import Parts
 from safeloc.models.vocabulary import head_contract
 from safeloc.proof.drawn_runs.worked import Steps
 from safeloc.proof.provers.implication import Refuted, unproved
 from safeloc.properties.counting_head import properties
-from safeloc.runtime.streams.steps import Cell
 from tests.models.inductive import inductive_in
 from tests.models.owed_contracts import contract
 from tests.models.wrong_edits import lost_by
@@ -117,8 +115,11 @@ def test_that_the_head_counts_each_wheel_is_proved() -> None:
     """The law that the adding up rests on is owed by the head, by where its mode says that the wheel is."""
     whole = compose_machines().composition
     assert None is contract(whole, "head_cycle")
-    lemmas = ("axle_head: the axle is the wheel that passed", "axle_head: the mode is where the wheel is")
-    assert isinstance(contract(whole, "head_cycle", *lemmas), Refuted)
+    for lemmas in (
+        ("the axle is the wheel that passed", "the mode is where the wheel is"),
+        ("a wheel does not disturb",),
+    ):
+        assert isinstance(contract(whole, "head_cycle", *(f"axle_head: {lemma}" for lemma in lemmas)), Refuted)
 
 
 # ------------------------------------------------------------------ wrong edits
@@ -126,6 +127,8 @@ def test_that_the_head_counts_each_wheel_is_proved() -> None:
 Edit = Callable[..., Expr]
 AFTER, FLAWED = cycle.axles_after, cycle.sample_flawed
 ADDS = "a cycle adds up its samples"
+LATE, LATE_TERM = "a wheel that is counted late is a fault of the cycle", cycle.counted_late
+REFUSED = "no wheel that comes fast enough is refused"
 
 
 def _first_lost(own: Parts, before: Num, way: Lit) -> Num:
@@ -159,6 +162,17 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
         lambda own: FLAWED(own) & own.head_mode.one_of(own.head_modes[0], own.head_modes[-1]),
         "a wheel that goes back on the head is a fault of the cycle",
     ),
+    "a wheel that is counted late is none": ("counted_late", lambda own: FALSE, LATE),
+    "a slow wheel is none": (
+        "counted_late",
+        lambda own: LATE_TERM(own) & (own.first_alone < CONFIG.wheel.slow_samples),
+        LATE,
+    ),
+    "a rest as long as the first channel is late": (
+        "counted_late",
+        lambda own: LATE_TERM(own) | (own.counted.ne(NO_AXLE) & (own.since_both > own.first_alone)),
+        REFUSED,
+    ),
     "every sample is a fault": ("sample_flawed", lambda own: TRUE, "nothing else is a fault of the cycle"),
     "every sample begins a cycle": ("_begins", lambda own: TRUE, "a fault stays until its cycle ends"),
     "a damped head is not told": (
@@ -170,6 +184,26 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
 }
 ONE_STEP = (CONTRACT, ADDS, "each sample belongs to one cycle")
 """Claims that one step of induction decides, the contract together with the lemmas; the others look back by one step more."""
+
+
+TIMES: dict[str, tuple[str, Edit, str]] = {
+    "the first channel is timed with the rest": (
+        "_alone_after",
+        lambda own, first: ALONE(own, TRUE),
+        "the samples of the first channel alone are counted",
+    ),
+    "a wheel that goes back is timed as one that does not": (
+        "went_back",
+        lambda own: FALSE,
+        "the samples of the first channel alone are counted",
+    ),
+    "the rest is not timed": (
+        "_since_after",
+        lambda own: own.since_both,
+        "the samples since both channels are counted",
+    ),
+}
+ALONE = wheel_time._alone_after
 
 
 def _lacks(claim: str) -> bool:
@@ -190,8 +224,16 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
     assert _lacks(claim)
 
 
+@pytest.mark.parametrize("edit", TIMES)
+def test_a_wrong_edit_of_a_time_is_noticed(edit: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """How long a wheel damps the first channel alone, and the rest."""
+    name, wrong, claim = TIMES[edit]
+    monkeypatch.setattr(wheel_time, name, wrong)
+    assert _lacks(claim)
+
+
 @pytest.mark.thorough(ordinary=2)
-@pytest.mark.parametrize("claim", sorted({claim for *_, claim in EDITS.values()}))
+@pytest.mark.parametrize("claim", sorted({claim for *_, claim in (EDITS | TIMES).values()}))
 def test_the_right_device_keeps_it(claim: str) -> None:
     """Without an edit, so that the edits are what is noticed."""
     assert not _lacks(claim)
@@ -269,103 +311,14 @@ def test_a_channel_that_stays_damped_is_a_fault_of_the_next_wheel() -> None:
             assert reported(named(failing(two, channel, damped=True, begin=begin))).fault, (begin, channel)
 
 
-# ------------------------------------------------------------------ records of channels that fail
-
-
-def heard(steps: Steps, speed_mm_s: int) -> Iterator[dict[str, Cell]]:
-    """What the counter hears of the samples, cycle by cycle, with bounds of the speed; then of a head that stays as it is."""
-    one, cell = program(), dict[str, Cell]()
-    state = one.first()
-    still = [steps[-1]] * (CONFIG.samples - len(steps) % CONFIG.samples + CONFIG.samples)
-    for step in [*steps, *still]:
-        state, _ = one.step(state, one.read(step))
-        told = one.named_outputs(state)
-        if told["head_cycle.cycle_done"]:
-            cell = _cycle(told, abs(speed_mm_s))
-            yield cell
-    yield from [cell] * 12
-
-
-CLEAR: dict[str, Cell] = {
-    "axle": "NONE", "axles_in_cycle": 1, "head_fault": False, "head_damped": False, "passage_over": True,
-}  # fmt: skip
-
-
-def _cycle(told: Mapping[str, Value], speed_mm_s: int) -> dict[str, Cell]:
-    way = AXLE[int(told["head_cycle.cycle_axle"])]
-    axles: dict[str, Cell] = {
-        "axle": way.label, "axles_in_cycle": int(told["head_cycle.cycle_axles"]),
-        "axle_speed_low_mm_s": speed_mm_s - 500, "axle_speed_high_mm_s": speed_mm_s + 500,
-    }  # fmt: skip
-    states = {f"head_{name}": bool(told[f"head_cycle.cycle_{name}"]) for name in ("fault", "damped")}
-    return CLEAR | {"passage_over": False} | states | ({} if way is NO_AXLE else axles)
-
-
-@cache
-def counter() -> Compiled:
-    """The axle counter on board, compiled."""
-    return compile_system(without_ghosts(lower(axle_counter.machine(CONFIG.counter))))
-
-
-def sound_records(cycles: Iterator[dict[str, Cell]], **otherwise: Cell) -> list[dict[str, Value]]:
-    """Each sound record that the counter makes of these cycles, the first of which begins with a clear counter."""
-    one, found = counter(), list[dict[str, Value]]()
-    state = one.first()
-    for told in [CLEAR, *cycles]:
-        state, _ = one.step(state, one.read(told | otherwise))
-        outputs = one.named_outputs(state)
-        found += [outputs] if outputs["record_sound"] else []
-    return found
-
-
-def axles_of(steps: Steps, speed_mm_s: int, **otherwise: Cell) -> tuple[int, ...]:
-    """The axles of each sound record of these samples."""
-    return tuple(int(one["record_axles"]) for one in sound_records(heard(named(steps), speed_mm_s), **otherwise))
-
-
-def records_of(channel: str, speed_mm_s: int, *, damped: bool, **otherwise: Cell) -> set[tuple[int, ...]]:
-    """The records of runs in which a channel fails, from every fourth sample of a passage on, and of one in which it does not."""
-    steps = passage(speed_mm_s)
-    return {
-        axles_of(failing(steps, channel, damped=damped, begin=begin), speed_mm_s, **otherwise)
-        for begin in (*range(0, len(steps), 4), len(steps))
-    }
-
-
-@pytest.mark.thorough(ordinary=1)
-@pytest.mark.parametrize("speed_mm_s", [60_000, -60_000, 36_000])
-@pytest.mark.parametrize("damped", [True, False])
-@pytest.mark.parametrize("channel", ["b", "a"])
-def test_a_channel_that_fails_leaves_no_wrong_record(channel: str, damped: bool, speed_mm_s: int) -> None:
-    """Whenever it fails, also under the last wheel: the record has all axles, or there is none; sound channels give one."""
-    assert {(), (len(WHEELS),)} == records_of(channel, speed_mm_s, damped=damped)
-
-
-def test_a_counter_that_did_not_hear_its_head_would_lack_an_axle() -> None:
-    """The same runs, with the head told as free: where channel B stays damped under the last wheel, the record is one axle short."""
-    assert (len(WHEELS) - 1,) in records_of("b", 60_000, damped=True, head_damped=False)
-
-
-def test_a_channel_that_comes_free_by_itself_is_left_open() -> None:
-    """As it is today: channel B stays damped under the last wheel, and is free before the train has certainly passed. The wheel is counted
-    late: all axles are in the record, but the length of nine metres lies below its bounds.
-    """
-    steps = passage(60_000)
-    longer = [*steps, *[steps[-1]] * 600]
-    begin = next(n for n, step in enumerate(steps) if n > len(steps) // 2 and step["channel_b_damped"])
-    damped, sound = (failing(longer, "b", damped=True, begin=one) for one in (begin, len(longer)))
-    (record,) = sound_records(heard(named([*damped[: begin + 400], *sound[begin + 400 :]]), 60_000))
-    assert record["record_axles"] == len(WHEELS)
-    assert int(record["record_length_low_um"]) > WHEELS[-1] * 1_000
-
-
 # ------------------------------------------------------------------ recordings
 
 
 def records(name: str) -> list[tuple[str, int, bool]]:
     """The records of a run: direction, axles, fault, of each cycle in which there was something."""
     system = without_ghosts(compose_machines(CONFIG).composition.system)
-    steps = [{k: v for k, v in step.items() if k != "axle_head.next_wheel_um"} for step in RUNS[name].steps(CONFIG)]
+    truth = ("axle_head.next_wheel_um", "head_cycle.next_speed_um_s")
+    steps = [{k: v for k, v in step.items() if k not in truth} for step in RUNS[name].steps(CONFIG)]
     trace = run(system, steps)
     done = [step.outputs for step in trace.steps if step.outputs["head_cycle.cycle_done"]]
     told = [
@@ -383,6 +336,8 @@ def test_recordings_say_what_they_teach() -> None:
     """Axles by cycle; both ways in a cycle, and a channel that fails, are faults."""
     service = records("counting_head-service")
     assert {False} == {fault for *_, fault in service}
+    assert ("NONE", 0, True) in records("counting_head-slow")
+    assert [("UP", 1), ("NONE", 0)] == [one[:2] for one in records("counting_head-late-channel")]
     assert [("UP", 4), ("DOWN", 2)] == [(way, sum(n for one, n, _ in service if one == way)) for way in ("UP", "DOWN")]
     for name in RUNS:
         assert (name == "counting_head-service") is not any(fault for *_, fault in records(name)), name
