@@ -37,7 +37,7 @@ class _Condition:
 
 
 def run_by_machines(
-    system: TransitionSystem, conditions: Sequence[z3.BoolRef], ends: Deadline, seed: int = 0
+    system: TransitionSystem, conditions: Sequence[Any], ends: Deadline, seed: int = 0
 ) -> z3.ModelRef | Literal["none", "unknown"]:
     """Return a model of all conditions, whose constants are `variable@step`; "none" if they contradict each other."""
     return _Run(system, conditions, ends, seed).model()
@@ -46,7 +46,7 @@ def run_by_machines(
 class _Run:
     """The conditions on a run by the last machine that they read, and the values found so far, by the number of their constant."""
 
-    def __init__(self, system: TransitionSystem, conditions: Sequence[z3.BoolRef], ends: Deadline, seed: int) -> None:
+    def __init__(self, system: TransitionSystem, conditions: Sequence[Any], ends: Deadline, seed: int) -> None:
         self._all, self._ends, self._seed = conditions, ends, seed
         self._number = _numbers(system)
         self._last = len(system.parts)
@@ -136,7 +136,7 @@ def _numbers(system: TransitionSystem) -> Mapping[str, int]:
     return numbers
 
 
-def _flat(conditions: Sequence[z3.BoolRef]) -> list[Any]:
+def _flat(conditions: Sequence[Any]) -> list[Any]:
     """Return the conditions, conjunct by conjunct, with the values that some of them state put into the others."""
     goal = z3.Goal()
     goal.add(*conditions)
