@@ -52,11 +52,6 @@ _held, _lawful = _CLAIMS.for_all_inputs, _CLAIMS.lawful
 _SAFE = Claims(("FVA-4", "FVA-13"), LAW)
 
 
-def _ahead(model: AxleCounter, along: Num) -> Num:
-    """Return an upward distance as a distance in the direction of the record."""
-    return ite(model.machine.output("record_direction").eq(DOWN), -along, along)
-
-
 # ------------------------------------------------------------------ a sound record
 
 
@@ -76,7 +71,7 @@ def _truth(model: AxleCounter) -> Iterator[Property]:
     )
     yield _lawful(
         "the whole train has passed",
-        sound.implies(_ahead(model, own.run - own.length) > gap),
+        sound.implies(late_axles.ahead(model, own.run - own.length) > gap),
         "a record is made only when the train has run farther since its last axle than two axles are apart",
     )
 
@@ -96,7 +91,7 @@ def _within_bounds(model: AxleCounter) -> Iterator[Property]:
         yield _lawful(
             f"{name if name != 'run' else 'place'} is true",
             machine.flag("record_sound").implies(
-                between(exact_to(low, finer), _ahead(model, truth), exact_to(high, finer))
+                between(exact_to(low, finer), late_axles.ahead(model, truth), exact_to(high, finer))
             ),
             f"a sound record's bounds contain {meant[name]}",
         )

@@ -21,7 +21,7 @@ def claims(model: AxleCounter, safe: Claims, held: Claims) -> Iterator[Property]
     yield from _room_is_no_wider(model, held)
 
 
-def _ahead(model: AxleCounter, along: Num) -> Num:
+def ahead(model: AxleCounter, along: Num) -> Num:
     """Return an upward distance as a distance in the direction of the record."""
     return ite(model.machine.output("record_direction").eq(DOWN), -along, along)
 
@@ -34,7 +34,7 @@ def _room_for_late_axles(model: AxleCounter, safe: Claims) -> Iterator[Property]
         exact_to(machine.output(f"record_{name}_um"), NM)
         for name in ("length_low", "length_high", "run_low", "run_high")
     )
-    length, run = _ahead(model, own.length), _ahead(model, own.run)
+    length, run = ahead(model, own.length), ahead(model, own.run)
     yield safe.lawful(
         "length is true of axles that are counted late",
         sound.implies(between(low, length - late, high) & between(low, length + late, high)),

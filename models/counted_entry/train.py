@@ -96,29 +96,33 @@ def train(config: CountedEntryConfig, counter: CounterParts, verified: Verificat
                 speed: ite(recorded, counted.speed, next_speed),
                 overhang: next_overhang,
             },
-            clauses={
-                "no axle is counted farther beyond the head": Law(
-                    all_of(between(0, one, config.counter.late_mm * NM_PER_MM) for one in late),
-                    "A wheel is counted where it has left the head, or by a channel that comes free late at most so far beyond.",
-                    ("late_mm",),
-                    "[D] proved of the head's machines with one channel that comes free late",
-                    "supplier",
-                    "type test: how long a channel stays damped after its wheel",
-                ),
-                "no vehicle overhangs its axles farther": Law(
-                    between(0, next_overhang, config.overhang_mm * NM_PER_MM),
-                    "From the outermost axle of a train to its end it is no farther than the figure.",
-                    ("overhang_mm",),
-                    "[M, fairly sure] drawings of vehicles: 2 to 5 m",
-                    "operator",
-                    "vehicle data entry",
-                )
-            },
+            clauses=_laws(config, late, next_overhang),
         ),
         doc="The train of the last record, as the counter's world knows it. Assumed: no vehicle overhangs its axles, and no axle is counted beyond the "
         "head, farther than configured.",
     )  # fmt: skip
     return Train(made, recorded, counted, axles, length, front, speed)
+
+
+def _laws(config: CountedEntryConfig, late: tuple[NumVar, NumVar], next_overhang: NumVar) -> dict[str, Law]:
+    return {
+        "no axle is counted farther beyond the head": Law(
+            all_of(between(0, one, config.counter.late_mm * NM_PER_MM) for one in late),
+            "A wheel is counted where it has left the head, or by a channel that comes free late at most so far beyond.",
+            ("late_mm",),
+            "[D] proved of the head's machines with one channel that comes free late",
+            "supplier",
+            "type test: how long a channel stays damped after its wheel",
+        ),
+        "no vehicle overhangs its axles farther": Law(
+            between(0, next_overhang, config.overhang_mm * NM_PER_MM),
+            "From the outermost axle of a train to its end it is no farther than the figure.",
+            ("overhang_mm",),
+            "[M, fairly sure] drawings of vehicles: 2 to 5 m",
+            "operator",
+            "vehicle data entry",
+        ),
+    }
 
 
 def _counted(declared: Declared, counter: CounterParts) -> Counted:

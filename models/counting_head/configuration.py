@@ -13,7 +13,7 @@ from safeloc.models.counting_head.spans import least_samples, slowest_um_s, span
 
 
 class WheelTimes(Config):
-    """How long a wheel that is counted may damp the head, in samples."""
+    """Samples for which a wheel that is counted may damp the head."""
 
     slow_samples: int = quantity(
         200,

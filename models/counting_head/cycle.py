@@ -21,7 +21,7 @@ from safeloc.models.axle_head import DOWN, NO_AXLE, UP
 from safeloc.models.counting_head.configuration import CountingHeadConfig
 from safeloc.models.counting_head.lemmas import lemmas
 from safeloc.models.counting_head.variables import Parts
-from safeloc.models.counting_head.wheel_time import counted_late, times_after, went_back
+from safeloc.models.counting_head.wheel_time import counted_late, first_alone, since_both, went_back
 from safeloc.models.counting_head.world import world
 
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
@@ -77,7 +77,8 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         own.axles_downwards: downs,
         own.flawed: (~_begins(own) & own.flawed) | sample_flawed(own) | both | many,
         own.mode_before: own.head_mode,
-        **times_after(own),
+        own.first_alone: first_alone(own),
+        own.since_both: since_both(own),
     }
     last = samples >= own.cycle_samples
     yield Transition("last sample of a cycle", table, done, last, every, REQUIREMENTS, 0)

@@ -44,7 +44,7 @@ def on_first(own: Parts) -> Bool:
     return own.mode_before.one_of(a_first, b_first) & (own.first_alone < own.config.wheel.slow_samples)
 
 
-def on_rest(own: Parts) -> Bool:
+def _on_rest(own: Parts) -> Bool:
     """Return whether a wheel damps both channels or the second one alone, and has not gone back."""
     _, _, both_up, b_last, _, both_down, a_last, _ = own.head_modes
     timed = own.first_alone < own.config.wheel.slow_samples
@@ -74,7 +74,7 @@ def _soon(own: Parts) -> Iterator[Bool]:
     place, speed = ahead(own)
     way, change = exact_to(place - Lit(own.config.alone_um, UM), _PM), own.config.change_um_s
     for span in spans(own.config):
-        timed = on_rest(own) & (own.first_alone > span.above) & (own.first_alone <= span.most)
+        timed = _on_rest(own) & (own.first_alone > span.above) & (own.first_alone <= span.most)
         far = way >= _samples_at(own, own.since_both - 1, span.left_um_s)
         changed = with_unit((own.since_both + span.most) * change, UM_S)
         still = speed >= Lit(span.came_um_s, UM_S) - changed

@@ -1,4 +1,4 @@
-"""How long the wheel on the head damps its channels, in samples: first one alone, then the rest until both are free.
+"""Counts the samples for which the wheel on the head damps its channels: first one alone, then the rest until both are free.
 
 A wheel that damped the first channel alone for less than `slow_samples` cannot stop on the head. A rest of more than a few times as long is
 no wheel: a channel has stayed damped, and come free by itself. A wheel that is slower may stand on the head as long as it likes. Then the
@@ -8,7 +8,6 @@ times tell nothing, and its cycle is at fault too.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Num, any_of, as_num, ite, minimum
-from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT
 from safeloc.models.axle_head import NO_AXLE
 from safeloc.models.counting_head.variables import Parts
@@ -29,14 +28,23 @@ def counted_late(own: Parts) -> Bool:
     return own.counted.ne(NO_AXLE) & (slow | late)
 
 
-def times_after(own: Parts) -> Updates:
-    """Return the updates of both times with this sample."""
-    free, a_first, _, _, b_first, *_ = own.head_modes
-    first = own.head_mode.one_of(a_first, b_first)
-    return {
-        own.first_alone: ite(own.head_mode.eq(free), as_num(0, COUNT), _alone_after(own, first)),
-        own.since_both: ite(first | own.head_mode.eq(free), as_num(0, COUNT), _since_after(own)),
-    }
+def first_alone(own: Parts) -> Num:
+    """Return for how many samples, with this one, the first channel was damped alone."""
+    return ite(_free(own), as_num(0, COUNT), _alone_after(own, _is_first(own)))
+
+
+def since_both(own: Parts) -> Num:
+    """Return how many samples there were, with this one, since both channels were damped first."""
+    return ite(_is_first(own) | _free(own), as_num(0, COUNT), _since_after(own))
+
+
+def _free(own: Parts) -> Bool:
+    return own.head_mode.eq(own.head_modes[0])
+
+
+def _is_first(own: Parts) -> Bool:
+    _, a_first, _, _, b_first, *_ = own.head_modes
+    return own.head_mode.one_of(a_first, b_first)
 
 
 def _alone_after(own: Parts, first: Bool) -> Num:
