@@ -105,14 +105,14 @@ def _case_of_one(system: TransitionSystem, case: Antecedent) -> tuple[Part, Goal
 
 
 def _over(part: Part, term: Bool) -> Bool | None:
-    """Rewrite a term of the composition over one machine's own variables; None if it reads others or wired inputs."""
+    """Rewrite a term of the composition over one machine's own variables; None if it reads others, wired inputs, or inputs before the step."""
     machine_variables = (*part.alone.state, *part.alone.inputs, *part.alone.fired)
     back = {into: var for var in machine_variables if isinstance(into := part.into(var), Var)}
-    replaced: dict[Var, Expr] = {}
+    kept, replaced = {*part.alone.state}, dict[Var, Expr]()
     for var in variables([term]):
         twin = back.get(var if var.before is None else var.before)
-        if twin is None:
-            return None
+        if twin is None or (var.before is not None and twin not in kept):
+            return None  # it is another machine's, or the machine has as an input what another one keeps: it knows no value before
         replaced[var] = twin if var.before is None else before(twin) if isinstance(twin, NumVar) else was(twin)
     return Substitution(replaced).bool(term)
 

@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import pytest
 
-from safeloc.language.antecedents import cases
+from safeloc.language.antecedents import cases, occurs_alone
 from safeloc.language.composition import compose
 from safeloc.language.expr import TRUE, Bool, Num, as_num, boolean, ite, minimum, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
-from safeloc.language.spec import Property, always, never, reachable, within
+from safeloc.language.spec import Property, always, earlier_num, never, reachable, within
 from safeloc.language.system import TransitionSystem, lower
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Vacuous, word
@@ -228,6 +228,14 @@ def test_of_a_machine_by_itself() -> None:
     (outcome,) = search(whole.system, cases(prop), Limits(depth=4, seconds=20))
     assert isinstance(outcome, Seen)
     assert "of hearer by itself, none of the whole" == outcome.where
+
+
+def test_a_machine_by_itself_has_no_value_before_of_its_inputs() -> None:
+    """What the one keeps is an input of the other, which by itself has no value of it before the step: the case is one of the whole."""
+    first, second = _teller(), _hearer()
+    whole = compose("both", [first, second], {HEARD: first.output("told")})
+    earlier, high = earlier_num(whole.of(first).num(TELLS)), whole.of(second).bool(second.mode.eq(HIGH))
+    assert occurs_alone(whole.system, always("steady", (high & (earlier < 50)).implies(earlier >= 49)), 0) is None
 
 
 @pytest.mark.thorough(ordinary=2)
