@@ -71,6 +71,7 @@ def _same_wheel(own: Parts) -> Law:
         own.wheel_now_from_low.iff(ite(came, own.wheel < 0, own.from_low)),
         "A wheel comes from the side on which it was before it came on the head.",
         source="[D] a definition, as in the counting head",
+        owner="nobody",
     )
 
 
