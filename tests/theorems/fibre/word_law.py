@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import count
 
 from safeloc.codegen.compiled import Compiled
+from safeloc.language.expr import BoolVar, NumVar
 from safeloc.language.interpret import holds
 from safeloc.language.nodes import Value
 from safeloc.language.units import NM_PER_MM
@@ -47,7 +48,7 @@ class CodedLine:
         """Whether the term of the law holds in the cycle in which the host answers to this word."""
         told = self.host.answer({"count": 0, "word": _as_number(one.word), "word_length": len(one.word)})
         edge_mm, below = self.truth(one)
-        values = {
+        values: dict[NumVar | BoolVar, int | bool] = {
             self._own.word_found: bool(told["word_found"]),
             self._own.word_position: int(told["word_position_mm"]),
             self._own.word_count: int(told["word_count"]),
@@ -79,7 +80,7 @@ class CodedLine:
 
 
 def _stepped(machine: Compiled, state: tuple[Value, ...], inputs: dict[str, Cell]) -> tuple[Value, ...]:
-    unreferred = {"reference_accepted": False, "reference_count": 0, "reference_position_mm": 0}
+    unreferred: dict[str, Cell] = {"reference_accepted": False, "reference_count": 0, "reference_position_mm": 0}
     return machine.step(state, machine.read(inputs | unreferred))[0]
 
 
