@@ -135,7 +135,8 @@ def _wheel_times(model: CountingHead) -> Iterator[Property]:
     in_head = model.composition.of(head)
     mode, (free, a_first, _, _, b_first, *_) = in_head.num(head.mode), head.modes
     alone, since = _times_before(model)
-    slow, longest = model.config.wheel.slow_samples, own.since_both.high
+    wheel = model.config.wheel
+    slow, longest = wheel.slow_samples, wheel.slow_samples * wheel.times_as_long + wheel.more_samples + 1
     first, back = mode.one_of(a_first, b_first), in_head.bool(head.fired(*_BACK))
     more = alone + ite(first, as_num(1, COUNT), 0)
     counted = ite(back | (more > slow), as_num(slow, COUNT), more)

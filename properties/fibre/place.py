@@ -155,7 +155,7 @@ def _referred(model: Fibre) -> Iterator[Property]:
 def _kept(model: Fibre) -> Iterator[Property]:
     """Claim the loss and the keeping of a place."""
     machine, own, seen = model.machine, model.own, Seen(model.own)
-    waiting, _, located, faulted = machine.modes
+    waiting, counting, located, faulted = machine.modes
     mode, referred = machine.mode, own.reference_accepted & seen.normal
     was_followed = before(mode).ne(waiting) & before(mode).ne(faulted)
     yield for_all_inputs(
@@ -170,6 +170,14 @@ def _kept(model: Fibre) -> Iterator[Property]:
         (before(mode).eq(located) & calm).implies(mode.eq(located)),
         statement="if nothing disagrees and the pattern is followed, the end stays located",
         requirements=SEEN,
+    )
+    ended = seen.flaws[v.NO_END_OF_SECTION] | (seen.changes & seen.full)
+    yield for_all_inputs(
+        "an end that counts goes on",
+        (before(mode).eq(counting) & ~seen.lost & ~ended).implies(mode.one_of(counting, located)),
+        statement="an end that counts sections, or reads a code word, goes on with that until it is located; unless the pattern is lost, no section is "
+        "so long, or the range of section numbers is exhausted",
+        requirements=(*SEEN, *CODE),
     )
 
 

@@ -118,3 +118,9 @@ class CycleEvidence:
         """The vehicle saw a turn that the route does not take."""
         turned, course = self.own.course_taken, self.route.course
         return all_of([course.ne(turned), turned.ne(UNDECIDED), course.ne(UNDECIDED)])
+
+    @property
+    def refuted(self) -> Bool:
+        """The route was impossible before, or what is seen refutes it."""
+        seen = self.never_there & ~self.silent
+        return ~earlier_bool(self.route.possible) | self.turned_away | seen

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, any_of
+from safeloc.language.expr import all_of, any_of
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.models.route import Route
 from safeloc.models.route.variables import SENSOR_FAILURE, TOLERANCE, Hypothesis, Parts
@@ -62,7 +62,7 @@ def _all_given_up(model: Route) -> Iterator[Property]:
     contradicted = given_up(model) & own.reason.ne(TOLERANCE) & own.reason.ne(SENSOR_FAILURE)
     yield for_all_inputs(
         "all routes are given up only where none is left",
-        contradicted.implies(all_of(_refuted(CycleEvidence(own, route)) for route in own.routes)),
+        contradicted.implies(all_of(CycleEvidence(own, route).refuted for route in own.routes)),
         statement="for no other reason than its width or a silent odometer the machine gives all routes up, unless each that was possible is refuted by "
         "what is seen in that cycle",
     )
@@ -80,12 +80,6 @@ def _all_given_up(model: Route) -> Iterator[Property]:
         begun.implies(carried(model).iff(any_of(route.candidate for route in own.routes))),
         statement="in the cycle of a start the machine reports routes exactly if any begins there",
     )
-
-
-def _refuted(evidence: CycleEvidence) -> Bool:
-    """Return whether a route was impossible before, or what is seen refutes it."""
-    seen = evidence.never_there & ~evidence.silent
-    return ~earlier_bool(evidence.route.possible) | evidence.turned_away | seen
 
 
 def _interval(own: Parts, route: Hypothesis, evidence: CycleEvidence) -> Iterator[Property]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, any_of, as_num, between, with_unit
+from safeloc.language.expr import Bool, all_of, any_of, as_num, between, ite, maximum, minimum, with_unit
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.units import MM, NM, NM_PER_MM
 from safeloc.models.route import Route
@@ -70,17 +70,19 @@ def _wide(model: Route) -> Iterator[Property]:
     yield for_all_inputs(
         "given up for its width only where it may be too wide",
         lost.implies(any_of(_may_be_too_wide(own, CycleEvidence(own, route)) for route in own.routes)),
-        statement="the machine gives the routes up for tolerance only if an interval, run on, may be wider than tolerable to the mm, or "
-        "reach beyond the line",
+        statement="the machine gives the routes up for tolerance only if the interval of one that is left, run on and narrowed by what is sighted, may be "
+        "wider than tolerable to the mm, or reach beyond the line",
         requirements=("RFL-D6", "RFL-D1"),
     )
 
 
 def _may_be_too_wide(own: Parts, evidence: CycleEvidence) -> Bool:
-    (least, most), config = ran(own), own.config
-    low, high, line = evidence.low + least, evidence.high + most, config.length_limit_mm * NM_PER_MM
+    (least, most), config, line = ran(own), own.config, own.config.length_limit_mm * NM_PER_MM
+    low, high, unheard = evidence.low + least, evidence.high + most, evidence.silent
+    low = ite(unheard, low, maximum(low, evidence.place - evidence.slack))
+    high = ite(unheard, high, minimum(high, evidence.place + evidence.slack))
     wide = high - low > 2 * ((config.tolerance_mm - 1) * NM_PER_MM - own.half_nm)
-    return any_of([wide, low < -line, high > line])
+    return ~evidence.refuted & any_of([wide, low < -line, high > line])
 
 
 def _odometer(model: Route) -> Iterator[Property]:

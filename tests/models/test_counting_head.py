@@ -227,6 +227,13 @@ def test_a_wrong_edit_of_a_time_is_noticed(edit: str, monkeypatch: pytest.Monkey
     assert _lacks(claim)
 
 
+def test_a_rest_that_is_not_counted_far_enough_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the rest is compared with may be greater than the variable holds: the claim reckons that from the figures."""
+    monkeypatch.setattr(Parts, "longest", property(lambda _: 500))
+    assert not _lacks(LATE)
+    assert _lacks("the samples since both channels are counted")
+
+
 @pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("claim", sorted({claim for *_, claim in (EDITS | TIMES).values()}))
 def test_the_right_device_keeps_it(claim: str) -> None:

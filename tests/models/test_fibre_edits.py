@@ -158,3 +158,15 @@ def test_a_word_that_is_not_taken_is_noticed(edit: str) -> None:
     assert keeps((model.machine, claims), "a complete word gives the place")
     assert not keeps((wrong, claims), "a complete word gives the place")
     assert keeps((wrong, claims), "a code word is complete")
+
+
+def test_an_end_that_stops_reading_is_noticed() -> None:
+    """A machine that no longer follows the sections as one is passed downwards completes no such word, and keeps the claims on words."""
+    model = build(parts(CONFIG))
+    cycle, claims = Cycle(model.own), properties(model)
+    [row] = [one for one in model.machine.transitions if one.name == "no end of the section"]
+    wrong = changed(model.machine, row.name, when=row.when | (cycle.read & ~cycle.forwards))
+    assert keeps((model.machine, claims), "an end that counts goes on")
+    assert not keeps((wrong, claims), "an end that counts goes on")
+    assert keeps((wrong, claims), "a complete word gives the place")
+    assert keeps((wrong, claims), "the code word consists of the sections read")

@@ -25,6 +25,7 @@ ONLY_SEEN = "route 1 is refuted only by what is seen"
 TRUE_ROUTE = "the true route is carried"
 NONE_LEFT, ON_THE_MAP = "all routes are given up only where none is left", "what the map knows gives no route up"
 STARTED = "a start with a route is carried"
+WIDTH = "given up for its width only where it may be too wide"
 
 
 def made() -> tuple[Machine, list[Property]]:
@@ -121,10 +122,18 @@ def _many(own: Parts) -> Bool:
     return own.start_error.present & all_of(route.candidate for route in own.routes)
 
 
+def _wide_before_the_sighting(own: Parts) -> Bool:
+    """Run on, the interval of a route is too wide, and nothing was asked of what is sighted in this cycle."""
+    return any_of(
+        ~Bounded(own, route.possible, *Cycle(own, route).moved).tolerable & route.possible for route in own.routes
+    )
+
+
 ROWS: dict[str, tuple[str, Callable[[Parts], Bool], tuple[str, ...]]] = {
     "another track's reflector ends an undecided route": ("no route fits", _doubtful, (NONE_LEFT, ON_THE_MAP)),
     "an unknown model ends a decided route": ("no route fits", _unrecognised, (NONE_LEFT, ON_THE_MAP)),
     "two routes at a start are none": ("start without a route", _many, (STARTED,)),
+    "the width is asked before the sighting": ("tolerance exceeded", _wide_before_the_sighting, (WIDTH,)),
 }
 
 

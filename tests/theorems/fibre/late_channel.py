@@ -2,7 +2,7 @@
 
 The machines are those that run on board, `axle_head` and `head_cycle`; only their worlds are left out, for here a channel may fail. It stays
 damped after its wheel has left it, as long as it likes, and comes free by itself; at any wheel, and again at the next. A channel is damped by
-its wheel at the latest when the wheel is on it, and begins to be damped by nothing else. While the head is damped, one channel at most is late.
+its wheel at the latest when the wheel is on it, and begins to be damped by nothing else. In no sample are both channels late; one may be, and then the other.
 
     begins   the head, free before, is damped: a wheel has come on it
     ran      how far this wheel has run since it came on the head, also beyond it, in its direction
@@ -123,7 +123,7 @@ def _world(config: CountingHeadConfig, truth: Truth, head: AxleHead) -> World:
     begins, left_above = ~a_was & ~b_was & (a | b), own.next_wheel >= end
     comes, leaves = ~on & then_on, on & ~then_on
     passes = leaves & own.from_low.iff(left_above)
-    late_a, late_b = (some & (a | b) for some in (a_late | (a & ~on_a), b_late | (b & ~on_b)))
+    late_a, late_b = a & ~on_a, b & ~on_b
     ran = truth.ran + ite(truth.up, truth.run, -truth.run)
     entered = ite(own.wheel < 0, own.next_wheel, -own.next_wheel + (end - 1))
     before = ite(~a_was & ~b_was, Lit(0, COUNT), truth.gone)
