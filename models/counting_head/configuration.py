@@ -9,6 +9,7 @@ from safeloc.errors import InputError
 from safeloc.language.units import MS_PER_S, UM_PER_MM, US_PER_MS, US_PER_S
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.axle_head import AxleHeadConfig
+from safeloc.models.counting_head.late_wheels import late_um
 from safeloc.models.counting_head.spans import least_samples, slowest_um_s, spans
 
 
@@ -63,6 +64,11 @@ class CountingHeadConfig(Config):
             raise InputError(
                 f"a wheel that comes at {self.wheel.sure_speed_mm_s} mm/s may damp the first channel alone for wheel.slow_samples "
                 f"({self.wheel.slow_samples}), and be refused; raise wheel.sure_speed_mm_s, or wheel.slow_samples."
+            )
+        if late_um(self) > self.counter.late_mm * UM_PER_MM:
+            raise InputError(
+                f"a wheel may be counted {late_um(self)} um beyond the head without a fault, but the counter leaves room for counter.late_mm "
+                f"({self.counter.late_mm}) only; raise it, or lower wheel.times_as_long or wheel.more_samples."
             )
         return self
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from safeloc.language.expr import FALSE, Bool
 from safeloc.language.verdict import word
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.counting_head import CountingHeadConfig, cycle
-from safeloc.models.counting_head.configuration import WheelTimes
+from safeloc.models.counting_head.late_wheels import late_um
 from safeloc.models.counting_head.variables import Parts
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from tests.models.inductive import inductive_in
-from tests.theorems.fibre.late_channel import claims, compose_late, late_um
+from tests.theorems.fibre.late_channel import claims, compose_late
 
 LATE_MM = AxleCounterConfig().late_mm
 FIGURE = "and no farther on"
@@ -60,6 +62,12 @@ def test_the_figure_is_needed() -> None:
     assert not kept(LATE_MM // 3)
 
 
-def test_a_longer_rest_is_farther_on() -> None:
-    """The figure follows from the comparison: twice as long a rest, and the counter's figure is too small."""
-    assert late_um(CountingHeadConfig(wheel=WheelTimes(times_as_long=6))) > LATE_MM * 1_000
+@pytest.mark.parametrize(
+    "figures", [{"wheel": {"times_as_long": 6}}, {"counter": {"late_mm": 0}}, {"counter": {"late_mm": 608}}]
+)
+def test_a_counter_without_the_room_is_refused(figures: dict[str, Any]) -> None:
+    """A rest twice as long, or a smaller figure of the counter: a wheel may be counted farther on than the record has room for."""
+    with pytest.raises(
+        (ValidationError, ValueError), match=r"beyond the head without a fault, but the counter leaves room for"
+    ):
+        CountingHeadConfig.model_validate(figures)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 from safeloc.language.composition import Composition, compose
 from safeloc.language.expr import (
@@ -44,6 +43,7 @@ from safeloc.models.axle_head import DOWN, NO_AXLE, UP, AxleHead
 from safeloc.models.axle_head.variables import BESIDE_UM
 from safeloc.models.counting_head import CountingHeadConfig
 from safeloc.models.counting_head.cycle import HeadCycle, head_cycle
+from safeloc.models.counting_head.late_wheels import came_um_s, late_spans, pace_um_s
 
 _PM = UM_S.times(US)
 
@@ -169,14 +169,6 @@ def _runs(config: CountingHeadConfig, truth: Truth) -> Bool:
 # ------------------------------------------------------------------ what helps to prove
 
 
-def spans(config: CountingHeadConfig) -> list[tuple[int, int]]:
-    """Numbers of samples, each half as large again as the one before, up to the slowest wheel that is not refused."""
-    ends = [2]
-    while ends[-1] < config.wheel.slow_samples - 1:
-        ends.append(min(max(ends[-1] + 1, ends[-1] * 3 // 2), config.wheel.slow_samples - 1))
-    return list(pairwise(ends))
-
-
 class Terms:
     """Terms of one state of the whole, named as in the machines and in `Truth`."""
 
@@ -290,14 +282,10 @@ def _slowest(config: CountingHeadConfig, most: int) -> int:
     return (config.alone_um * US_PER_S - 1) // ((most + 1) * config.head.sample_us) - config.unsure_um_s
 
 
-def _fastest(config: CountingHeadConfig, above: int) -> int:
-    return -(-config.alone_um * US_PER_S // (above * config.head.sample_us)) + config.unsure_um_s
-
-
 def _fast(config: CountingHeadConfig, of: Terms) -> Iterator[Bool]:
     way, changed = exact_to(of.ran, _PM), with_unit(of.alone * config.change_um_s, UM_S)
-    for above, most in spans(config):
-        slow, fast = _slowest(config, most), _fastest(config, above)
+    for above, most in late_spans(config):
+        slow, fast = _slowest(config, most), came_um_s(config, above)
         near = (way <= _at(config, of.alone, slow + config.unsure_um_s)) | (of.ahead >= Lit(slow, UM_S) - changed)
         far = (way >= _at(config, of.alone - 1, fast - config.unsure_um_s)) | (of.ahead <= Lit(fast, UM_S) + changed)
         yield (of.first() & of.even).implies(near & far)
@@ -305,36 +293,14 @@ def _fast(config: CountingHeadConfig, of: Terms) -> Iterator[Bool]:
 
 def _runs_on(config: CountingHeadConfig, of: Terms) -> Iterator[Bool]:
     wheel = config.wheel
-    for above, most in spans(config):
+    for above, most in late_spans(config):
         rest = wheel.times_as_long * most + wheel.more_samples
         changed = with_unit((of.since + most) * config.change_um_s, UM_S)
-        slow, fast = Lit(_slowest(config, most), UM_S) - changed, Lit(_fastest(config, above), UM_S) + changed
-        pace = _pace(config, above, most)
+        slow, fast = Lit(_slowest(config, most), UM_S) - changed, Lit(came_um_s(config, above), UM_S) + changed
+        pace = pace_um_s(config, above, most)
         beyond = exact_to(of.ran - Lit(config.alone_um, UM), _PM) <= _at(config, of.since, pace)
         here = (of.both() | of.last()) & (of.alone > above) & (of.alone <= most) & (of.since <= rest)
         yield here.implies((of.ahead >= slow) & (of.ahead <= fast) & (of.ran >= config.alone_um) & beyond)
-
-
-def _pace(config: CountingHeadConfig, above: int, most: int) -> int:
-    """The highest speed, um/s, of a wheel until it is counted without a fault, with what is unsure."""
-    rest = config.wheel.times_as_long * most + config.wheel.more_samples
-    return min(
-        _fastest(config, above) + config.change_um_s * (most + rest + 1) + config.unsure_um_s,
-        config.head.max_speed_mm_s * UM_PER_MM,
-    )
-
-
-def late_um(config: CountingHeadConfig) -> int:
-    """How far beyond the head a wheel is at most that is counted without a fault, um."""
-    wheel = config.wheel
-    farthest = [
-        (wheel.times_as_long * most + wheel.more_samples + 1)
-        * _pace(config, above, most)
-        * config.head.sample_us
-        // US_PER_S
-        for above, most in spans(config)
-    ]
-    return max(farthest) + config.alone_um - config.end_um
 
 
 # ------------------------------------------------------------------ claims
