@@ -7,9 +7,10 @@ over each of the two channels.
 from __future__ import annotations
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, between, exact_to, ite, maximum, minimum
-from safeloc.language.units import COUNT, UM, UM_S, US
+from safeloc.language.units import COUNT, UM, UM_PER_MM, UM_S, US, US_PER_S
 from safeloc.language.world import Law, World
 from safeloc.models.axle_head import DOWN, UP
+from safeloc.models.counting_head.configuration import CountingHeadConfig
 from safeloc.models.counting_head.variables import Parts
 
 HEARD = "the head counts each wheel that passes"
@@ -90,6 +91,11 @@ def _place(own: Parts) -> Bool:
     return all_of([own.head_mode.eq(free).implies(~_on(own, wheel)), own.head_mode.ne(disturbed), *places])
 
 
+def change_um_s(config: CountingHeadConfig) -> int:
+    """Return by how much a wheel's speed changes at most in a sample, um/s rounded up: the world's own figure, not the one that the machine reckons with."""
+    return -(-config.counter.change_mm_s2 * UM_PER_MM * config.head.sample_us // US_PER_S)
+
+
 def motion(own: Parts, holds: Bool) -> dict[str, Bool | Law]:
     """Return the laws of a wheel's motion from sample to sample.
 
@@ -100,7 +106,7 @@ def motion(own: Parts, holds: Bool) -> dict[str, Bool | Law]:
     run = exact_to(own.wheel_now - own.wheel, _PM)
     return {
         "a wheel on the head keeps to its train's traction and brakes": Law(
-            holds.implies(abs_(own.next_speed - own.speed) <= Lit(own.config.change_um_s, UM_S)),
+            holds.implies(abs_(own.next_speed - own.speed) <= Lit(change_um_s(own.config), UM_S)),
             "From one sample to the next, a wheel changes its speed by no more than the train's traction or brakes can.",
             figures=("change_mm_s2", "sample_us"),
             source="[M, fairly sure] traction and brake",

@@ -44,6 +44,7 @@ from safeloc.models.axle_head.variables import BESIDE_UM
 from safeloc.models.counting_head import CountingHeadConfig
 from safeloc.models.counting_head.cycle import HeadCycle, head_cycle
 from safeloc.models.counting_head.late_wheels import came_um_s, late_spans, pace_um_s
+from safeloc.models.counting_head.world import change_um_s
 
 _PM = UM_S.times(US)
 
@@ -152,7 +153,7 @@ def _world(config: CountingHeadConfig, truth: Truth, head: AxleHead) -> World:
             "one channel at a time is late": ~(late_a & late_b),
             "the wheel nearest to the head runs with its train": swapped | one.eq(truth.run),
             "trains keep to traction and brakes": same_train.implies(
-                abs_(truth.next_speed - truth.speed) <= Lit(config.change_um_s, UM_S)
+                abs_(truth.next_speed - truth.speed) <= Lit(change_um_s(config), UM_S)
             ),
             "a train runs as fast as it is": _runs(config, truth),
         },
