@@ -12,13 +12,20 @@ from safeloc.models.axle_head.variables import DOWN, NO_AXLE, UP, Parts
 from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
-LAW = "one wheel at a time, sampled often enough, and no false damping"
+LAW = "one wheel at a time, sampled often enough, and no false damping of a channel that is alive"
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
 def properties(model: AxleHead) -> list[Property]:
     """Return the properties: every axle is counted once, in its direction, and nothing else is."""
-    return [*_wheels(model), *_sequences(model), *_disturbs(model), *_disturbed(model), *_reached(model)]
+    return [
+        *_wheels(model),
+        *_sequences(model),
+        *_disturbs(model),
+        *_alive_channels(model),
+        *_disturbed(model),
+        *_reached(model),
+    ]
 
 
 _held = Claims(REQUIREMENTS).for_all_inputs
@@ -34,10 +41,16 @@ def _on(own: Parts, wheel: NumVar) -> Bool:
 
 
 def _hears_the_wheel(own: Parts) -> Bool:
-    """Return the condition that the channels are damped by the wheel that is there, and by nothing else."""
+    """Return the condition that the channels are alive, and damped by the wheel that is there, and by nothing else."""
     begins, ends = own.config.spacing_mm * 1_000, (own.config.spacing_mm + own.config.overlap_mm) * 1_000
     on = _on(own, own.wheel)
-    return own.channel_a_damped.iff(on & (own.wheel < ends)) & own.channel_b_damped.iff(on & (own.wheel >= begins))
+    by_wheel = own.channel_a_damped.iff(on & (own.wheel < ends)) & own.channel_b_damped.iff(on & (own.wheel >= begins))
+    return by_wheel & _alive(own)
+
+
+def _alive(own: Parts) -> Bool:
+    """Return the condition that both channels are alive."""
+    return own.channel_a_alive & own.channel_b_alive
 
 
 def _wheels(model: AxleHead) -> Iterator[Property]:
@@ -45,43 +58,62 @@ def _wheels(model: AxleHead) -> Iterator[Property]:
     machine, own = model.machine, model.own
     on, above, below = _on(own, before(own.wheel)), own.wheel >= _end_um(own), own.wheel < 0
     through_up, through_down = on & above & was(own.from_low), on & below & ~was(own.from_low)
+    disturbed, was_disturbed = machine.flag("disturbed"), before(machine.mode).eq(machine.modes[-1])
     yield under_assumption(
         "every axle is counted",
-        own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down),
+        (own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down)) | disturbed | was_disturbed,
         statement="an axle is counted upwards in exactly the sample in which a wheel that came from below has left above; "
-        "and downwards the other way round",
+        "and downwards the other way round; unless the head is disturbed in that sample, or was in the one before",
+    )
+    yield under_assumption(
+        "a wheel that is not counted is told",
+        ((through_up & own.axle.ne(UP)) | (through_down & own.axle.ne(DOWN))).implies(machine.flag("may_miss")),
+        statement="in a sample in which a wheel has passed that is not counted in its direction, the head tells that it may have missed one",
     )
     yield under_assumption(
         "no disturbance by wheels",
-        _hears_the_wheel(own).implies(~machine.flag("disturbed")),
-        statement="wheels alone, also those that turn back on the head, never disturb it",
+        (_hears_the_wheel(own) & (~was_disturbed | ~_on(own, own.wheel))).implies(~disturbed),
+        statement="wheels over channels that are alive, also wheels that turn back on the head, never disturb it; and a disturbance ends where "
+        "no wheel is on the head",
     )
     yield under_assumption(
         "damped is a wheel on the head",
-        machine.flag("damped").iff(_on(own, own.wheel)),
-        statement="the head reports itself as damped exactly while a wheel is on it",
+        _on(own, own.wheel).implies(machine.flag("damped"))
+        & (machine.flag("damped") & ~disturbed).implies(_on(own, own.wheel)),
+        statement="the head reports itself as damped while a wheel is on it, and is disturbed where it does so without one",
     )
 
 
 def _sequences(model: AxleHead) -> Iterator[Property]:
     """Claim the sequences of the channels that count an axle."""
     own = model.own
-    some = own.channel_a_damped | own.channel_b_damped
+    some, alive = own.channel_a_damped | own.channel_b_damped, _alive(own)
+    heard = some & alive
     both, from_a, from_b = (
-        previous(since(some, own.channel_a_damped & own.channel_b_damped)),
-        previous(since(some, own.channel_a_damped & ~own.channel_b_damped & ~previous(some))),
-        previous(since(some, own.channel_b_damped & ~own.channel_a_damped & ~previous(some))),
+        previous(since(heard, heard & own.channel_a_damped & own.channel_b_damped)),
+        previous(since(heard, heard & own.channel_a_damped & ~own.channel_b_damped & ~previous(some | ~alive))),
+        previous(since(heard, heard & own.channel_b_damped & ~own.channel_a_damped & ~previous(some | ~alive))),
     )
     yield _held(
         "no axle without overlap",
-        own.axle.ne(NO_AXLE).implies(both & ~some),
-        "an axle is counted only when both channels are free again, and were damped together since they were free before",
+        own.axle.ne(NO_AXLE).implies(both & ~some & alive),
+        "an axle is counted only when both channels are free again, and were damped together since they were free before; both are alive all the while",
     )
     yield _held(
         "an axle comes in at one channel and goes out at the other",
         own.axle.eq(UP).implies(from_a & previous(own.channel_b_damped & ~own.channel_a_damped))
         & own.axle.eq(DOWN).implies(from_b & previous(own.channel_a_damped & ~own.channel_b_damped)),
-        "an axle upwards damped A alone first and B alone last; an axle downwards the other way round",
+        "an axle upwards damped A alone first and B alone last; an axle downwards the other way round; both channels were alive all the while",
+    )
+
+
+def _alive_channels(model: AxleHead) -> Iterator[Property]:
+    """Claim that a channel that is not alive disturbs the head, whatever it tells."""
+    machine, own = model.machine, model.own
+    yield _held(
+        "a channel that is not alive disturbs",
+        (~_alive(own)).implies(machine.flag("disturbed")),
+        "in a sample in which a channel is not alive, whatever both tell, the head is disturbed",
     )
 
 
@@ -106,8 +138,8 @@ def _disturbs(model: AxleHead) -> Iterator[Property]:
     )
     yield _held(
         "nothing else disturbs",
-        is_disturbed.implies(leap | (was_disturbed & (own.channel_a_damped | own.channel_b_damped))),
-        "the head is disturbed only by such a step, and only until both channels are free",
+        is_disturbed.implies(leap | ~_alive(own) | (was_disturbed & (own.channel_a_damped | own.channel_b_damped))),
+        "the head is disturbed only by such a step or by a channel that is not alive, and only until both channels are alive and free",
     )
 
 
@@ -121,6 +153,11 @@ def _disturbed(model: AxleHead) -> Iterator[Property]:
         "a disturbed head counts nothing",
         (was_disturbed | mode.eq(disturbed)).implies(own.axle.eq(NO_AXLE)),
         "while disturbed, and in the sample in which that ends, no axle is counted",
+    )
+    yield _held(
+        "what may be missed is told while disturbed",
+        machine.flag("may_miss").iff(was_disturbed | is_disturbed),
+        "while disturbed, and in the sample in which that ends, the head tells that it may have missed an axle; and never otherwise",
     )
     some_wheel = own.channel_a_damped | own.channel_b_damped | is_disturbed
     yield _held(

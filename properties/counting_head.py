@@ -14,7 +14,7 @@ from safeloc.properties.claims import Claims
 
 REQUIREMENTS = ("FVA-4", "FVA-5", "FVA-13", "FVA-14")
 _BACK = ("turned back to A", "turned back to B", "turned back to both, upwards", "turned back to both, downwards")
-LAW = "one wheel at a time, sampled often enough, and no false damping"
+LAW = "one wheel at a time, sampled often enough, and no false damping of a channel that is alive"
 _BRAKES = f"{LAW}; trains keep to their traction and brakes"
 
 
@@ -77,6 +77,12 @@ def _some(model: CountingHead) -> tuple[Bool, Bool, Bool]:
     return of.bool(own.channel_a_damped), of.bool(own.channel_b_damped), of.num(own.axle).ne(NO_AXLE)
 
 
+def _alive(model: CountingHead) -> Bool:
+    """Return whether both channels are alive."""
+    of, own = model.composition.of(model.head.machine), model.head.own
+    return of.bool(own.channel_a_alive) & of.bool(own.channel_b_alive)
+
+
 def _flawed(model: CountingHead) -> Bool:
     return model.composition.of(model.cycle.machine).bool(model.cycle.own.flawed)
 
@@ -97,6 +103,11 @@ def _faults(model: CountingHead) -> Iterator[Property]:
         "a disturbance is a fault of the cycle",
         (disturbed | earlier_bool(disturbed)).implies(flawed),
         "in a sample in which the head is disturbed, and in the one after it, the cycle is at fault",
+    )
+    yield _held(
+        "a channel that is not alive is a fault of the cycle",
+        (~_alive(model)).implies(flawed),
+        "in a sample in which the current of a channel is not that of a sound one, the cycle is at fault, whatever both channels tell",
     )
     yield _held(
         "a wheel that leaves uncounted is a fault of the cycle",
@@ -139,12 +150,13 @@ def _wheel_times(model: CountingHead) -> Iterator[Property]:
     slow, longest = wheel.slow_samples, wheel.slow_samples * wheel.times_as_long + wheel.more_samples + 1
     first, back = mode.one_of(a_first, b_first), in_head.bool(head.fired(*_BACK))
     more = alone + ite(first, as_num(1, COUNT), 0)
-    counted = ite(back | (more > slow), as_num(slow, COUNT), more)
+    disturbed = in_head.bool(head.flag("disturbed"))
+    counted = ite(disturbed | back | (more > slow), as_num(slow, COUNT), more)
     yield _held(
         "the samples of the first channel alone are counted",
         of.num(own.first_alone).eq(ite(mode.eq(free), as_num(0, COUNT), counted)),
         "from a free head on, one for each sample in which the channel that was damped first is damped alone; as many as of a slow wheel once "
-        "a wheel has gone back",
+        "a wheel has gone back, or while the head is disturbed",
     )
     rest = ite(since >= longest, as_num(longest, COUNT), since + 1)
     yield _held(
@@ -206,11 +218,16 @@ def _not_refused(model: CountingHead) -> Iterator[Property]:
     sure = of.num(own.speed_came) >= Lit(1_000 * model.config.wheel.sure_speed_mm_s, UM_S)
     ups, downs = of.num(own.axles_upwards), of.num(own.axles_downwards)
     others = ((ups > 0) & (downs > 0)) | (ups + downs > model.config.counter.axles_a_cycle)
+    heard = _alive(model) & ~earlier_bool(
+        model.composition.of(model.head.machine).bool(model.head.machine.flag("disturbed"))
+    )
     yield always(
         "no wheel that comes fast enough is refused",
-        (on & sure & ~(earlier_bool(_flawed(model)) & ~_first_sample(model)) & ~others).implies(~_flawed(model)),
+        (on & sure & heard & ~(earlier_bool(_flawed(model)) & ~_first_sample(model)) & ~others).implies(
+            ~_flawed(model)
+        ),
         statement="a wheel that comes on the head at the sure speed or faster makes no fault, neither on the head nor as it leaves, whatever "
-        "its train's traction or brakes do",
+        "its train's traction or brakes do, while both channels are alive",
         requirements=REQUIREMENTS,
         assumption=_BRAKES,
     )

@@ -4,6 +4,10 @@ A wheel that rolls up damps channel A, then both, then B alone, then none; rolli
 whole sequence counts an axle (overlapping pulses, DP 1 728 700). A wheel that turns back on the head unwinds the
 sequence and counts nothing. A change of the channels that no wheel makes leaves the direction unknown: the head is disturbed.
 
+Each channel tells by its current that it is alive: a cut or shorted cable, or a sensor that has come off the rail, draws another one.
+As long as one is not alive, the head is disturbed; and after that until both channels are free. Wheels that pass then are not counted,
+and the head tells so (`may_miss`), also in the sample in which the disturbance ends.
+
 A step of this machine is one sample of both channels; samples come so often that no wheel passes between two of them.
 """
 
@@ -12,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from safeloc.errors import InputError
-from safeloc.language.expr import Bool, Lit, Var
+from safeloc.language.expr import FALSE, TRUE, Bool, Lit
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.units import US_PER_S
 from safeloc.models.axle_head.lemmas import lemmas
@@ -59,15 +63,20 @@ def build(own: Parts) -> AxleHead:
     made = own.declared.machine(
         name="axle_head",
         modes=table,
-        outputs={"counted": own.axle, "damped": current.ne(table[0]), "disturbed": current.eq(table[-1])},
+        outputs={
+            "counted": own.axle,
+            "damped": current.ne(table[0]),
+            "disturbed": current.eq(table[-1]),
+            "may_miss": current.eq(table[-1]) | own.ended,
+        },
         transitions=list(_table(own, table)),
         world=world(own),
         lemmas=lemmas(own, current, table),
         doc=(
             "Axles and their direction from the overlapping pulses of a two-channel head. A sample that no wheel "
-            "can make after the previous one disturbs the head until both channels are free. Assumed: wheels "
-            "follow each other with both channels free between them, damp only the channels on whose stretch "
-            "they are, and are sampled often enough."
+            "can make after the previous one disturbs the head until both channels are free, and so does a channel that is not "
+            "alive. Assumed: wheels follow each other with both channels free between them, a channel that is alive is damped by the "
+            "wheels on its stretch and by nothing else, and wheels are sampled often enough."
         ),
     )
     return Model(made, own)
@@ -75,16 +84,17 @@ def build(own: Parts) -> AxleHead:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     free, a_first, both_up, b_last, b_first, both_down, a_last, disturbed = table
-    none: dict[Var, Lit] = {own.axle: NO_AXLE}
+    alive = own.channel_a_alive & own.channel_b_alive
     no, a, both, b = (
-        ~own.channel_a_damped & ~own.channel_b_damped,
-        own.channel_a_damped & ~own.channel_b_damped,
-        own.channel_a_damped & own.channel_b_damped,
-        ~own.channel_a_damped & own.channel_b_damped,
+        alive & ~own.channel_a_damped & ~own.channel_b_damped,
+        alive & own.channel_a_damped & ~own.channel_b_damped,
+        alive & own.channel_a_damped & own.channel_b_damped,
+        alive & ~own.channel_a_damped & own.channel_b_damped,
     )
 
     def row(name: str, source: Lit | tuple[Lit, ...], target: Lit, when: Bool, axle: Lit = NO_AXLE) -> Transition:
-        return Transition(name, source, target, when, {own.axle: axle}, REQUIREMENTS)
+        ended = TRUE if source is disturbed else FALSE
+        return Transition(name, source, target, when, {own.axle: axle, own.ended: ended}, REQUIREMENTS)
 
     yield row("wheel on A", free, a_first, a)
     yield row("wheel on B", free, b_first, b)
@@ -104,8 +114,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield row("no overlap after A", (a_first, a_last), disturbed, b)
     yield row("no overlap after B", (b_first, b_last), disturbed, a)
     yield row("both gone at once", (both_up, both_down), disturbed, no)
+    yield row("a channel is not alive", table[:-1], disturbed, ~alive)
     yield row("free again", disturbed, free, no)
-    yield Transition("stay free", free, free, no, none, REQUIREMENTS, 1)
+    yield row("stay free", free, free, no)
 
 
 # ------------------------------------------------------------------ speed

@@ -18,7 +18,6 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
     places += [current.eq(mode).implies(place & ~own.from_low) for mode, place in down.items()]
     return {
         "the mode is where the wheel is": all_of([current.eq(free).implies(~between(0, own.wheel, end - 1)), *places]),
-        "a wheel does not disturb": current.ne(disturbed),
-        "the axle is the wheel that passed": own.axle.eq(own.passed),
+        "the axle is the wheel that passed": current.eq(disturbed) | own.ended | own.axle.eq(own.passed),
         "an axle is reported when the head is free": current.ne(free).implies(own.axle.eq(NO_AXLE)),
     }

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from random import Random
 
 from safeloc.language.units import UM_PER_MM, US_PER_S
@@ -18,6 +19,7 @@ from safeloc.runtime.streams.steps import Cell
 
 _CLEARANCE_MM = 40  # a run begins and ends with both channels free
 _BOGIE_MM = 2_500
+ALIVE: Mapping[str, Cell] = {"channel_a_alive": True, "channel_b_alive": True}
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,8 @@ def samples(config: AxleHeadConfig, rolls: Sequence[Roll]) -> Steps:
 
 
 def simulate(config: AxleHeadConfig, *, seed: int) -> Steps:
-    """Return eight vehicles of two or four wheels, in either direction, each at its own speed."""
-    return samples(config, drawn(config, seed=seed))
+    """Return eight vehicles of two or four wheels, in either direction, each at its own speed; for a while a channel is not alive."""
+    return cut_somewhere(samples(config, drawn(config, seed=seed)), seed=seed)
 
 
 def drawn(config: AxleHeadConfig, *, seed: int) -> list[Roll]:
@@ -90,7 +92,27 @@ def _over(config: AxleHeadConfig, at_um: int) -> tuple[bool, bool]:
 
 def _sample(config: AxleHeadConfig, at_um: int) -> dict[str, Cell]:
     a, b = _over(config, at_um)
-    return {"channel_a_damped": a, "channel_b_damped": b, "next_wheel_um": at_um}
+    return {**ALIVE, "channel_a_damped": a, "channel_b_damped": b, "next_wheel_um": at_um}
+
+
+def cut(steps: Steps, begin: int, lasts: int, channels: str = "ab", prefix: str = "") -> Steps:
+    """Return the steps with channels whose cable is cut in some samples: not alive, and silent."""
+    silent: dict[str, Cell] = {
+        f"{prefix}channel_{channel}_{told}": False for channel in channels for told in ("alive", "damped")
+    }
+    return [{**step, **silent} if begin <= number < begin + lasts else step for number, step in enumerate(steps)]
+
+
+def on_both(steps: Steps) -> list[int]:
+    """Return the samples in which a wheel has come on both channels, wheel by wheel."""
+    both = [step["channel_a_damped"] and step["channel_b_damped"] for step in steps]
+    return [number for number, (was, now) in enumerate(pairwise([False, *both])) if now and not was]
+
+
+def cut_somewhere(steps: Steps, *, seed: int, prefix: str = "") -> Steps:
+    """Return the steps with one channel or both cut for up to 200 samples."""
+    rng = Random(seed)
+    return cut(steps, rng.randrange(len(steps)), rng.randint(1, 200), rng.choice(("a", "b", "ab")), prefix)
 
 
 # ------------------------------------------------------------------ named runs
@@ -109,10 +131,10 @@ def _turned_back(config: AxleHeadConfig) -> Steps:
 
 def _metal_over_both(config: AxleHeadConfig) -> Steps:
     """Damp both channels in the same sample, as a magnetic rail brake does; then let a vehicle pass."""
-    brake: dict[str, Cell] = {"channel_a_damped": True, "channel_b_damped": True}
-    free: dict[str, Cell] = {"channel_a_damped": False, "channel_b_damped": False}
+    brake = {**ALIVE, "channel_a_damped": True, "channel_b_damped": True}
+    free = {**ALIVE, "channel_a_damped": False, "channel_b_damped": False}
     after = samples(config, [through(config, (0, _BOGIE_MM), 25_000)])
-    return _without_truth([*[free] * 10, *[brake] * 30, *[free] * 10, *after])
+    return without_truth([*[free] * 10, *[brake] * 30, *[free] * 10, *after])
 
 
 def _sample_lost(config: AxleHeadConfig) -> Steps:
@@ -120,10 +142,16 @@ def _sample_lost(config: AxleHeadConfig) -> Steps:
     steps = samples(config, [through(config, (0, _BOGIE_MM), 20_000)])
     both = [number for number, step in enumerate(steps) if step["channel_a_damped"] and step["channel_b_damped"]]
     first = [number for number in both if number < both[0] + len(steps) // 4]
-    return _without_truth([step for number, step in enumerate(steps) if number not in first])
+    return without_truth([step for number, step in enumerate(steps) if number not in first])
 
 
-def _without_truth(steps: Steps) -> Steps:
+def _cable_cut(config: AxleHeadConfig) -> Steps:
+    """Cut the cable of both channels while the second of three wheels is on both, and mend it when that one has gone."""
+    steps = samples(config, [through(config, (0, _BOGIE_MM, 3 * _BOGIE_MM), 20_000)])
+    return cut(steps, on_both(steps)[1], 100)
+
+
+def without_truth(steps: Steps) -> Steps:
     """Return the steps without the ghost: no wheel makes these samples, so the recording claims no truth."""
     return [{name: value for name, value in step.items() if name != "next_wheel_um"} for step in steps]
 
@@ -139,6 +167,10 @@ RUNS: Mapping[str, WorkedRun[AxleHeadConfig]] = {
     ),
     "axle_head-no-overlap": WorkedRun(
         "A wheel that was never sampled on both channels disturbs and is not counted; the next one is.", _sample_lost
+    ),
+    "axle_head-cable-cut": WorkedRun(
+        "The cable of both channels is cut under the second of three wheels: disturbed, this one is not counted; the third one is.",
+        _cable_cut,
     ),
 }
 """The recordings that ship, by name."""

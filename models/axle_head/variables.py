@@ -46,6 +46,9 @@ class AxleHeadConfig(Config):
 class Parts:
     """The variables: channels damped, the axle counted in this sample.
 
+    channel_a_damped, channel_b_damped   inputs: the channel's current is that of a damped one
+    channel_a_alive, channel_b_alive     inputs: the channel's current lies in the range of a sound channel, damped or free
+    ended     state: a disturbance has ended in this sample
     wheel     ghost: where the wheel nearest to the head is, upwards from where it begins to damp channel A
     from_low  ghost: the wheel over the head came from below
     passed    ghost: the wheel that left the head in this sample on the side that it did not come from, by its direction
@@ -56,7 +59,10 @@ class Parts:
         self.config = config
         self.channel_a_damped = declared.sensor(boolean("channel_a_damped"))
         self.channel_b_damped = declared.sensor(boolean("channel_b_damped"))
+        self.channel_a_alive = declared.sensor(boolean("channel_a_alive"))
+        self.channel_b_alive = declared.sensor(boolean("channel_b_alive"))
         self.axle = declared.state(choice("axle", enumeration(AXLE)), first=NO_AXLE)
+        self.ended = declared.state(boolean("disturbance_ended"), first=False)
         self.wheel = declared.ghost(number("wheel_um", UM, -BESIDE_UM, BESIDE_UM), first=-BESIDE_UM)
         self.from_low = declared.ghost(boolean("wheel_from_low"), first=False)
         self.passed = declared.ghost(choice("wheel_passed", enumeration(AXLE)), first=NO_AXLE)

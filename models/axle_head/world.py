@@ -40,13 +40,16 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
     run = Lit(-(-config.max_speed_mm_s * config.sample_us * UM_PER_MM // US_PER_S), UM)
     off = ~_over_head(own.wheel, config) & ~_over_head(then, config)
     return {
-        "a channel is damped where the wheel is": Law(
-            own.channel_a_damped.iff(over_a) & own.channel_b_damped.iff(over_b),
-            "A channel is damped as long as a wheel is on its stretch, and by nothing else; the stretches overlap.",
+        "a channel that is alive is damped where the wheel is": Law(
+            own.channel_a_alive.implies(own.channel_a_damped.iff(over_a))
+            & own.channel_b_alive.implies(own.channel_b_damped.iff(over_b)),
+            "A channel whose current lies in the range of a sound one is damped as long as a wheel is on its stretch, and by nothing else; the "
+            "stretches overlap. Any other channel may tell anything.",
             figures=("spacing_mm", "overlap_mm"),
-            source="[S] DP 1 728 700: overlapping pulses",
+            source="[S] DP 1 728 700: overlapping pulses; [M, fairly sure] the quiescent current of a wheel sensor is watched",
             owner="supplier",
-            check="type test with the smallest wheel; brakes and other metal disturb the head and are reported by it",
+            check="type test with the smallest wheel, a cut and a shorted cable, and a sensor off the rail; brakes and other metal disturb the "
+            "head and are reported by it",
         ),
         "wheels do not jump": Law(
             between(-run, then - own.wheel, run) | off,

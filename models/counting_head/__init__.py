@@ -6,7 +6,8 @@
 A step is a sample. The axle counter takes a step once a cycle (some two hundred samples), so the three are no composition. What
 binds them is a contract of one cycle (models.vocabulary.head_contract): here it is proved of every row of samples that makes a cycle, and
 the law that the counter's world assumes of each of its cycles follows from it, and allows besides that a channel stays damped. Cycles do
-not overlap, and each sample is in one. A channel that stays damped and comes free by itself is told by how long a wheel damps each of the two.
+not overlap, and each sample is in one. A channel that stays damped and comes free by itself is told by how long a wheel damps each of the two;
+one that is silent for another reason than that no wheel is there, by its current: the head is disturbed, and the cycle at fault.
 """
 
 from __future__ import annotations
@@ -50,6 +51,7 @@ def compose_machines(config: CountingHeadConfig | None = None) -> CountingHead:
     wires: dict[Var, Expr] = {
         cycle.own.head_mode: head.machine.mode,
         cycle.own.counted: head.machine.output("counted"),
+        cycle.own.may_miss: head.machine.flag("may_miss"),
         cycle.own.passes: head.own.passed,
         cycle.own.wheel_now: head.own.wheel,
         cycle.own.wheel_now_from_low: head.own.from_low,

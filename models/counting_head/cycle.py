@@ -3,7 +3,7 @@
     WITHIN   samples of a cycle are being added up; there is no record
     DONE     the last sample of the cycle: the record has its axles and their direction, or a fault; and whether the head is damped
 
-A cycle is at fault if the head was disturbed in one of its samples, if a wheel left the head without being counted or went back on it, if
+A cycle is at fault if the head may have missed a wheel in one of its samples (it was disturbed, or a channel was not alive), if a wheel left the head without being counted or went back on it, if
 one was counted that took too long over the head (models.counting_head.wheel_time), if axles passed both ways, or more than the counter takes. A channel that is silent makes every wheel leave uncounted; one that stays
 damped makes every wheel go back. Only a channel that begins to stay damped under a wheel leaves this one uncounted without a fault: then
 the head is damped at the end of that cycle and of each one until the next wheel, and the counter is told.
@@ -54,7 +54,7 @@ def head_cycle(config: CountingHeadConfig, head_modes: Sequence[Lit]) -> HeadCyc
         },
         doc=(
             "The samples of a counting head, added up through one cycle of the axle counter. Assumed: the head counts each wheel "
-            "that passes, in the sample in which it leaves; and wheels on the head keep to traction and brakes."
+            "that passes, in the sample in which it leaves, or tells that it may have missed one; and wheels on the head keep to traction and brakes."
         ),
     )
     return Model(made, own)
@@ -101,11 +101,10 @@ def axles_after(own: Parts, before: Num, way: Lit) -> Num:
 
 
 def sample_flawed(own: Parts) -> Bool:
-    """Return whether the head was disturbed, or a wheel left it uncounted, went back on it, or was counted late."""
-    free, disturbed = own.head_modes[0], own.head_modes[-1]
+    """Return whether the head may have missed a wheel, or one left it uncounted, went back on it, or was counted late."""
+    free = own.head_modes[0]
     uncounted = own.mode_before.ne(free) & own.head_mode.eq(free) & own.counted.eq(NO_AXLE)
-    was_disturbed = own.head_mode.eq(disturbed) | own.mode_before.eq(disturbed)
-    return was_disturbed | uncounted | went_back(own) | counted_late(own)
+    return own.may_miss | uncounted | went_back(own) | counted_late(own)
 
 
 def _head_is_damped(own: Parts) -> Bool:

@@ -90,9 +90,10 @@ def _placed(own: Parts) -> Bool:
     step = own.config.head.max_speed_mm_s * UM_PER_MM * own.config.head.sample_us
     return all_of(
         [
-            mode.ne(disturbed),
-            mode.eq(free).iff((place < 0) | (place >= end)),
+            mode.eq(free).implies((place < 0) | (place >= end)),
             mode.eq(free).implies(own.first_alone.eq(0) & own.since_both.eq(0)),
+            mode.eq(disturbed).iff(own.was_disturbed),
+            mode.eq(disturbed).implies(own.first_alone.eq(own.first_alone.high) & own.speed_came.eq(0)),
             first.implies((place >= 0) & (place < alone) & (own.first_alone > 0) & own.since_both.eq(0)),
             first.implies(exact_to(place, _PM) < with_unit(own.first_alone * step, _PM)),
             both.implies((place >= alone) & (place < end - alone)),
@@ -113,6 +114,6 @@ def _sure(own: Parts) -> Bool:
     far = exact_to(place, _PM) >= _samples_at(own, own.first_alone - 1, slowest_um_s(config))
     still = speed >= Lit(sure, UM_S) - with_unit(own.first_alone * change, UM_S)
     moving = on_first(own).implies(far & still)
-    free, *_ = own.head_modes
+    free, *_, disturbed = own.head_modes
     fast = own.first_alone < config.wheel.slow_samples
-    return (came & own.mode_before.ne(free)).implies(fast & moving)
+    return (came & ~own.mode_before.one_of(free, disturbed)).implies(fast & moving)

@@ -38,19 +38,16 @@ def _whole(config: CountingHeadConfig, steps: Steps) -> Steps:
 
 
 def simulate(config: CountingHeadConfig, *, seed: int) -> Steps:
-    """Return eight vehicles of two or four wheels, in either direction, each at its own speed."""
-    return rolled(config, head.drawn(config.head, seed=seed))
+    """Return eight vehicles of two or four wheels, in either direction, each at its own speed; for a while a channel is not alive."""
+    return head.cut_somewhere(rolled(config, head.drawn(config.head, seed=seed)), seed=seed, prefix="axle_head.")
 
 
 def failing(steps: Steps, channel: str, *, damped: bool, begin: int) -> Steps:
     """Return the steps with a channel that is silent, or stays damped, from a sample on; without the truth, since no wheel makes them."""
     name = f"channel_{channel}_damped"
-
-    def failed(number: int, step: Mapping[str, Cell]) -> dict[str, Cell]:
-        kept = {key: value for key, value in step.items() if key != "next_wheel_um"}
-        return {**kept, name: damped} if number >= begin else kept
-
-    return [failed(number, step) for number, step in enumerate(steps)]
+    return [
+        {**step, name: damped} if number >= begin else step for number, step in enumerate(head.without_truth(steps))
+    ]
 
 
 # ------------------------------------------------------------------ named runs
@@ -83,6 +80,14 @@ def _stays_damped(config: CountingHeadConfig) -> Steps:
     return named(failing(_whole(config, steps), "b", damped=True, begin=len(steps) // 5))
 
 
+def _cable_cut(config: CountingHeadConfig) -> Steps:
+    """Cut the cable of both channels from under the second of four wheels on."""
+    roll = head.through(config.head, (0, _BOGIE_MM, 9_000, 11_500), 30_000)
+    _, second, *_ = head.on_both(head.samples(config.head, [roll]))
+    steps = _whole(config, rolled(config, [roll]))
+    return head.cut(steps, second, len(steps), prefix="axle_head.")
+
+
 def _comes_free_late(config: CountingHeadConfig) -> Steps:
     """Channel B stays damped under the last of two wheels for another 200 ms."""
     steps = head.samples(config.head, [head.through(config.head, (0, _BOGIE_MM), 30_000)])
@@ -104,6 +109,10 @@ RUNS: Mapping[str, WorkedRun[CountingHeadConfig]] = {
     ),
     "counting_head-silent-channel": WorkedRun(
         "A channel falls silent: each wheel after that leaves uncounted, and its cycle is at fault.", _silent
+    ),
+    "counting_head-cable-cut": WorkedRun(
+        "The cable of both channels is cut: neither is alive, and each cycle after that is at fault, whether a wheel passes or not.",
+        _cable_cut,
     ),
     "counting_head-damped-channel": WorkedRun(
         "A channel stays damped: each wheel after that goes back on the head, and its cycle is at fault.", _stays_damped

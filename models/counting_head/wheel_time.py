@@ -49,7 +49,12 @@ def _is_first(own: Parts) -> Bool:
 
 def _alone_after(own: Parts, first: Bool) -> Num:
     more = ite(first, as_num(1, COUNT), 0)
-    return ite(went_back(own), own.first_alone.high, minimum(own.first_alone + more, own.first_alone.high))
+    return ite(_untimed(own), own.first_alone.high, minimum(own.first_alone + more, own.first_alone.high))
+
+
+def _untimed(own: Parts) -> Bool:
+    """Return whether the times tell nothing: a wheel has gone back, or one may have come while the head is disturbed."""
+    return went_back(own) | own.head_mode.eq(own.head_modes[-1])
 
 
 def _since_after(own: Parts) -> Num:

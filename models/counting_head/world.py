@@ -13,7 +13,7 @@ from safeloc.models.axle_head import DOWN, UP
 from safeloc.models.counting_head.configuration import CountingHeadConfig
 from safeloc.models.counting_head.variables import Parts
 
-HEARD = "the head counts each wheel that passes"
+HEARD = "the head counts each wheel that passes, or tells"
 PLACE = "the head's mode is where the wheel is"
 _PM = UM_S.times(US)
 
@@ -26,7 +26,7 @@ def world(own: Parts) -> World:
         more = ite(over, Lit(0, COUNT), passed) + ite(own.passes.eq(way), Lit(1, COUNT), 0)
         return minimum(more, own.cycle_samples)
 
-    comes = ~_on(own, own.wheel) & _on(own, own.wheel_now)
+    comes, disturbed = ~_on(own, own.wheel) & _on(own, own.wheel_now), own.head_mode.eq(own.head_modes[-1])
     return own.declared.world(
         moves={
             own.true_samples: ite(over, Lit(1, COUNT), own.true_samples + 1),
@@ -35,7 +35,10 @@ def world(own: Parts) -> World:
             own.wheel: own.wheel_now,
             own.from_low: own.wheel_now_from_low,
             own.speed: own.next_speed,
-            own.speed_came: ite(comes, abs_(own.next_speed), own.speed_came),
+            own.was_disturbed: disturbed,
+            own.speed_came: ite(
+                disturbed | own.was_disturbed, Lit(0, UM_S), ite(comes, abs_(own.next_speed), own.speed_came)
+            ),
         },
         clauses={**_head_laws(own), **motion(own, _on(own, own.wheel) | _on(own, own.wheel_now))},
     )
@@ -48,15 +51,16 @@ def _on(own: Parts, wheel: Num) -> Bool:
 def _head_laws(own: Parts) -> dict[str, Bool | Law]:
     return {
         HEARD: Law(
-            own.counted.eq(own.passes),
-            "In each sample the head counts the wheel that leaves it on the far side, with its direction, and no other.",
+            own.counted.eq(own.passes) | own.may_miss,
+            "In each sample the head counts the wheel that leaves it on the far side, with its direction, and no other; or it tells that it may "
+            "have missed one.",
             source="proved of the counting head",
             owner="supplier",
             check="proved in the composition",
         ),
         PLACE: Law(
             _place(own),
-            "In each sample the head's mode gives the stretch on which the wheel is, and the side that it came from.",
+            "In each sample the head's mode gives the stretch on which the wheel is, and the side that it came from, unless the head is disturbed.",
             figures=("spacing_mm", "overlap_mm"),
             source="proved of the counting head",
             owner="supplier",
@@ -78,7 +82,7 @@ def _same_wheel(own: Parts) -> Law:
 
 def _place(own: Parts) -> Bool:
     """Return the condition that the mode is where the wheel is."""
-    free, *modes, disturbed = own.head_modes
+    free, *modes, _ = own.head_modes
     alone, end, wheel = own.config.alone_um, own.config.end_um, own.wheel_now
     on_a, on_both, on_b = (
         between(0, wheel, alone - 1),
@@ -88,7 +92,7 @@ def _place(own: Parts) -> Bool:
     low = own.wheel_now_from_low
     stretches = ((on_a, low), (on_both, low), (on_b, low), (on_b, ~low), (on_both, ~low), (on_a, ~low))
     places = [own.head_mode.eq(mode).implies(on & way) for mode, (on, way) in zip(modes, stretches, strict=True)]
-    return all_of([own.head_mode.eq(free).implies(~_on(own, wheel)), own.head_mode.ne(disturbed), *places])
+    return all_of([own.head_mode.eq(free).implies(~_on(own, wheel)), *places])
 
 
 def change_um_s(config: CountingHeadConfig) -> int:

@@ -46,10 +46,15 @@ def section() -> AxleSection:
 
 # ------------------------------------------------------------------ heads
 
+ALIVE: dict[str, Cell] = {"channel_a_alive": True, "channel_b_alive": True}
+
 
 def sampled(samples: str) -> Trace:
-    """A head on samples written as -, A, B and X (both)."""
-    steps = [{"channel_a_damped": one in "AX", "channel_b_damped": one in "BX"} for one in samples]
+    """A head on samples written as -, A, B and X (both damped); in small letters, and o for -, channel A is not alive."""
+    steps = [
+        ALIVE | {"channel_a_damped": one in "AXax", "channel_b_damped": one in "BXbx", "channel_a_alive": one in "-ABX"}
+        for one in samples
+    ]
     return run(without_ghosts(lower(head().machine)), steps)
 
 
@@ -77,6 +82,17 @@ def test_no_overlap_or_no_order_disturbs(samples: str) -> None:
     """Direction unknown: disturbed, and nothing is counted until both channels are free."""
     trace = sampled(samples + "B-AXB-")
     assert trace.steps[len(samples) - 1].outputs["disturbed"]
+    assert [one for one in labels(trace, "counted") if one != "NONE"] == ["UP"]
+
+
+@pytest.mark.parametrize("samples", ["-o", "-a", "-b", "-x", "-Ax", "-AXb", "-AXBo"])
+def test_a_channel_that_is_not_alive_disturbs(samples: str) -> None:
+    """Whatever it tells: disturbed, and nothing is counted until both channels are alive and free."""
+    trace = sampled(samples + "oB-AXB-")
+    assert trace.steps[len(samples) - 1].outputs["disturbed"]
+    ended = len(samples) + 2
+    assert [one.outputs["may_miss"] for one in trace.steps[len(samples) - 1 :]] == [True] * 4 + [False] * 4
+    assert not trace.steps[ended].outputs["disturbed"]
     assert [one for one in labels(trace, "counted") if one != "NONE"] == ["UP"]
 
 

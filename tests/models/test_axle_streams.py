@@ -154,6 +154,13 @@ def test_an_unknown_direction_disturbs(stem: str, axles: int) -> None:
     assert {"UP": axles} == dict(told(stem, "counted") - Counter(NONE=10**6))
 
 
+def test_a_cut_cable_disturbs() -> None:
+    """Three wheels: the cable is cut under the second, which is not counted; mended after it, and the third is."""
+    axle = ["FREE", "A_FIRST", "BOTH_UP", "B_LAST"]
+    assert courses("axle_head-cable-cut") == [*axle, "FREE", "A_FIRST", "DISTURBED", *axle, "FREE"]
+    assert {"UP": 2} == dict(told("axle_head-cable-cut", "counted") - Counter(NONE=10**6))
+
+
 # ------------------------------------------------------------------ entry records
 
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from safeloc.language.expr import FALSE, Bool, Lit, Num, any_of, between
+from safeloc.language.expr import FALSE, TRUE, Bool, Lit, Num, any_of, between
+from safeloc.language.terms import Substitution
 from safeloc.language.units import MS
 from safeloc.models import axle_counter, axle_head, axle_section
 from safeloc.models.axle_counter import AxleCounterConfig
@@ -33,11 +34,26 @@ def _head_lacks(config: AxleHeadConfig, claim: str, only: str = "") -> bool:
 
 
 @pytest.mark.parametrize("wrong", [{"sample_us": 700}, {"spacing_mm": 42}], ids=["overlap", "one channel alone"])
-@pytest.mark.parametrize("claim", ["no disturbance by wheels", "damped is a wheel on the head"])
-def test_figures_that_are_refused_lose_a_proof(wrong: dict[str, int], claim: str) -> None:
+def test_figures_that_are_refused_lose_a_proof(wrong: dict[str, int]) -> None:
     """Where a wheel can pass a stretch between two samples, it disturbs the head: the check of the figures is needed."""
+    claim = "no disturbance by wheels"
     config = AxleHeadConfig.model_construct(None, **(AxleHeadConfig().model_dump() | wrong))
     assert _head_lacks(config, claim)
+    assert not _head_lacks(AxleHeadConfig(), claim)
+
+
+ALIVE = "a channel that is not alive disturbs"
+
+
+@pytest.mark.parametrize("claim", [ALIVE, "no disturbance by wheels", "a wheel that is not counted is told"])
+def test_a_head_that_does_not_ask_whether_a_channel_is_alive_is_noticed(claim: str) -> None:
+    """Channel B is taken as alive: what it tells may be anything, and a wheel is missed."""
+    model = axle_head.build(axle_head.parts(AxleHeadConfig()))
+    taken = Substitution({model.own.channel_b_alive: TRUE})
+    rows = [replace(row, when=taken.bool(row.when)) for row in model.machine.transitions]
+    wrong = replace(model, machine=rebuilt(model.machine, rows))
+    [prop] = [one for one in head_properties.properties(wrong) if one.name == claim]
+    assert not inductive(wrong.machine, prop)
     assert not _head_lacks(AxleHeadConfig(), claim)
 
 

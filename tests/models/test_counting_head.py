@@ -115,10 +115,7 @@ def test_that_the_head_counts_each_wheel_is_proved() -> None:
     """The law that the adding up rests on is owed by the head, by where its mode says that the wheel is."""
     whole = compose_machines().composition
     assert None is contract(whole, "head_cycle")
-    for lemmas in (
-        ("the axle is the wheel that passed", "the mode is where the wheel is"),
-        ("a wheel does not disturb",),
-    ):
+    for lemmas in (("the axle is the wheel that passed", "the mode is where the wheel is"),):
         assert isinstance(contract(whole, "head_cycle", *(f"axle_head: {lemma}" for lemma in lemmas)), Refuted)
 
 
@@ -152,9 +149,20 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     "a sample is skipped": ("_sample_after", _one_sample_skipped, "each sample belongs to one cycle"),
     "so the cycle is not the counter's": ("_sample_after", _one_sample_skipped, CONTRACT),
     "no sample is a fault": ("sample_flawed", lambda own: FALSE, "a disturbance is a fault of the cycle"),
+    "a channel that is not alive is none": (
+        "sample_flawed",
+        lambda own: FLAWED(own) & ~own.may_miss,
+        "a channel that is not alive is a fault of the cycle",
+    ),
+    "so wheels pass unheard": ("sample_flawed", lambda own: FLAWED(own) & ~own.may_miss, CONTRACT),
+    "the sample in which a disturbance ends is none": (
+        "sample_flawed",
+        lambda own: FLAWED(own) & (~own.may_miss | own.head_mode.ne(own.head_modes[0])),
+        CONTRACT,
+    ),
     "a wheel that leaves uncounted is none": (
         "sample_flawed",
-        lambda own: FLAWED(own) & own.head_mode.ne(own.head_modes[0]),
+        lambda own: FLAWED(own) & (own.may_miss | own.head_mode.ne(own.head_modes[0])),
         "a wheel that leaves uncounted is a fault of the cycle",
     ),
     "a wheel that goes back is none": (
@@ -185,6 +193,11 @@ TIMES: dict[str, tuple[str, Edit, str]] = {
     "the first channel is timed with the rest": (
         "_alone_after",
         lambda own, first: ALONE(own, TRUE),
+        "the samples of the first channel alone are counted",
+    ),
+    "a wheel is timed while the head is disturbed": (
+        "_untimed",
+        wheel_time.went_back,
         "the samples of the first channel alone are counted",
     ),
     "a wheel that goes back is timed as one that does not": (

@@ -106,6 +106,30 @@ def test_a_channel_that_fails_leaves_no_wrong_record(channel: str, damped: bool,
     assert {(), (len(WHEELS),)} == records_of(channel, speed_mm_s, damped=damped)
 
 
+def of_a_cut(speed_mm_s: int, channels: str, lasts: int, *, alive: bool) -> set[tuple[int, ...]]:
+    """The records of runs in which the cable of channels is cut, from every fifteenth sample of a passage on.
+
+    alive  the current is not watched: each channel is told as alive
+    """
+    steps, longest = passage(speed_mm_s), 10_000
+    told = head.ALIVE if alive else {}
+    cuts = [head.cut(steps, begin, lasts or longest, channels) for begin in range(0, len(steps), 15)]
+    return {axles_of(head.without_truth([{**step, **told} for step in one]), speed_mm_s) for one in cuts}
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("lasts", [0, 150, 6])
+@pytest.mark.parametrize(("channels", "speed_mm_s"), [("ab", 60_000), ("ab", -60_000), ("a", -60_000), ("b", 60_000)])
+def test_a_cut_cable_leaves_no_wrong_record(channels: str, speed_mm_s: int, lasts: int) -> None:
+    """One channel or both, for good or for a while, under a wheel or between two: all axles, or no record."""
+    assert of_a_cut(speed_mm_s, channels, lasts, alive=False) <= {(), (len(WHEELS),)}
+
+
+def test_a_head_that_did_not_watch_its_current_would_lack_axles() -> None:
+    """The same runs, with both channels told as alive: a train of three axles has records of one and of two."""
+    assert {(1,), (2,)} <= of_a_cut(60_000, "ab", 0, alive=True)
+
+
 def test_a_counter_that_did_not_hear_its_head_would_lack_an_axle() -> None:
     """The same runs, with the head told as free: where channel B stays damped under the last wheel, the record is one axle short."""
     assert (len(WHEELS) - 1,) in records_of("b", 60_000, damped=True, head_damped=False)

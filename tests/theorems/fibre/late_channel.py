@@ -99,6 +99,7 @@ def compose_late(config: CountingHeadConfig | None = None) -> LateChannel:
     wires: dict[Var, Expr] = {
         cycle.own.head_mode: failing.machine.mode,
         cycle.own.counted: failing.machine.output("counted"),
+        cycle.own.may_miss: failing.machine.flag("may_miss"),
     }
     joined = compose("late_channel", [failing.machine, board.machine], wires)
     whole = LateChannel(config, truth, failing, board, joined)
