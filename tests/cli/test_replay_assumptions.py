@@ -60,7 +60,8 @@ def test_as_data(call: Call) -> None:
 def test_nothing_to_judge(call: Call, tmp_path: Path) -> None:
     """Without the truth and without anything observable: exit code 3, no success."""
     path = tmp_path / "run.jsonl"
-    path.write_text('{"channel_a_damped": false, "channel_b_damped": false}\n', encoding="utf-8")
+    sample = {f"channel_{channel}_{told}": told == "alive" for channel in "ab" for told in ("alive", "damped")}
+    path.write_text(json.dumps(sample), encoding="utf-8")
     done = call("replay", "axle_head", str(path), "--assumptions")
     assert (3, "checked: 0, of them broken: 0; laws that this recording does not show: 3") == (
         done.code, done.out.splitlines()[-1]
