@@ -17,12 +17,12 @@ def lost(machine: Machine, properties: Sequence[Property], *names: str) -> dict[
     return lost_by(lower(machine), properties, *names)
 
 
-def lost_by(system: TransitionSystem, properties: Sequence[Property], *names: str) -> dict[str, str]:
-    """The same of a composition."""
+def lost_by(system: TransitionSystem, properties: Sequence[Property], *names: str, seconds: int = 20) -> dict[str, str]:
+    """The same of a composition; within so many seconds each."""
     known = {prop.name for prop in properties}
     if unknown := set(names) - known:
         raise KeyError(f"no such property: {sorted(unknown)}")
     asked = [prop for prop in properties if not names or prop.name in names]
-    found = prove(system, asked, Limits(seconds=20), jobs=1, lemmas=False)
+    found = prove(system, asked, Limits(seconds=seconds), jobs=1, lemmas=False)
     verdicts = {one.id.split("/property/")[-1]: word(one.result) for one in found}
     return {prop.name: verdicts[prop.name] for prop in asked if verdicts[prop.name] != "proved"}
