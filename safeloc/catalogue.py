@@ -20,6 +20,7 @@ from safeloc.errors import InputError, ModelError
 from safeloc.language.renamed import FIELDS, TIMES, hint
 from safeloc.own_module import as_input_error, load_module, own_target
 from safeloc.runtime.outside import read_bytes
+from safeloc.runtime.toml_place import line_of
 from safeloc.shipped_machines import ENTRIES
 from safeloc.shipped_machines.source_kinds import KINDS, SEPARATOR, WITH_SOURCES
 from safeloc.target import Entry, Target
@@ -89,7 +90,9 @@ def _found(spec: str, config: Path | None, with_recordings: bool) -> Target:
     if plus and kind in KINDS:
         return _with_sources(kind, sources, config)
     if ":" in spec:
-        return own_target(spec, config, None if config is None else _content(config), with_recordings=with_recordings)
+        return own_target(
+            spec, config, None if config is None else _content(config)[0], with_recordings=with_recordings
+        )
     if spec not in ENTRIES:
         close = difflib.get_close_matches(spec, ENTRIES, n=1)
         hint = f" Did you mean {close[0]!r}?" if close else ""
@@ -187,16 +190,19 @@ def _to_correct(config: BaseModel) -> str:
 
 
 def read_config(kind: type[BaseModel], path: Path | None) -> BaseModel:
-    """Read a configuration from TOML or JSON, or return the defaults without a file; InputError names file and fields."""
-    return checked_config(kind, {} if path is None else _content(path), path or "configuration")
+    """Read a configuration from TOML or JSON, or return the defaults without a file; InputError names file and fields, of TOML with lines."""
+    if path is None:
+        return checked_config(kind, {}, "configuration")
+    content, text = _content(path)
+    return checked_config(kind, content, path, text)
 
 
-def checked_config(kind: type[BaseModel], content: Mapping[str, Any], place: object) -> BaseModel:
-    """Make a configuration from plain data; InputError names place and fields."""
+def checked_config(kind: type[BaseModel], content: Mapping[str, Any], place: object, text: str = "") -> BaseModel:
+    """Make a configuration from plain data; InputError names place and fields, with lines if the TOML `text` is given."""
     try:
         return kind.model_validate(_frozen(content))
     except ValidationError as error:
-        wrong = [f"  - {field}" for field in _fields(error, kind)]
+        wrong = [f"  - {field}" for field in _fields(error, kind, text)]
         fields = "1 field is" if len(wrong) == 1 else f"{len(wrong)} fields are"
         raise InputError("\n".join([f"{place}: {fields} wrong:", *wrong])) from error
 
@@ -208,8 +214,8 @@ def _frozen(content: object) -> object:
     return tuple(_frozen(value) for value in content) if isinstance(content, list) else content
 
 
-def _fields(error: ValidationError, kind: type[BaseModel] | None = None) -> list[str]:
-    """Describe each wrong field: its name, the error, the value, and for an unknown one the nearest field of `kind`.
+def _fields(error: ValidationError, kind: type[BaseModel] | None = None, text: str = "") -> list[str]:
+    """Describe each wrong field: its name, the error, the value, for an unknown one the nearest field of `kind`, and its line in `text`.
 
     A figure that contradicts another one has no name before it: the sentence names both.
     """
@@ -217,8 +223,14 @@ def _fields(error: ValidationError, kind: type[BaseModel] | None = None) -> list
         ": ".join(
             filter(None, [".".join(map(str, e["loc"])), f"{_in_words(e)}{_given(e)}{_now(e) or _nearest(e, kind)}"])
         )
+        + _line(e, text)
         for e in error.errors()
     ]
+
+
+def _line(error: Mapping[str, Any], text: str) -> str:
+    """Name the line of a wrong field; empty without a text, and of an error that concerns the whole file."""
+    return f" (line {line_of(text, error['loc'])})" if text and error["loc"] else ""
 
 
 def _in_words(error: Mapping[str, Any]) -> str:
@@ -274,7 +286,8 @@ def _given(error: Mapping[str, Any]) -> str:
     return "" if isinstance(error["input"], dict) else f" (got {reprlib.repr(error['input'])})"
 
 
-def _content(path: Path) -> dict[str, Any]:
+def _content(path: Path) -> tuple[dict[str, Any], str]:
+    """Return the table of a configuration file, and its text if it is TOML."""
     if not path.is_file():
         raise InputError(f"{path}: {'a folder, not a configuration file' if path.is_dir() else 'no such file'}.")
     data = read_bytes(path, LARGEST_CONFIG)
@@ -288,4 +301,4 @@ def _content(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read as {kind}: {error}") from error
     if not isinstance(content, dict):
         raise InputError(f"{path}: expected a table of fields.")
-    return content
+    return content, "" if kind == "JSON" else text

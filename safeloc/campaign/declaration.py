@@ -14,9 +14,9 @@ from pydantic import Field, ValidationError, model_validator
 from safeloc.campaign.distributions import Distribution
 from safeloc.config import Config
 from safeloc.errors import InputError
-from safeloc.railway.map.flaws import Flaw, FlawsError
-from safeloc.railway.map.toml_place import line_of, refusal
+from safeloc.runtime.flaws import Flaw, FlawsError
 from safeloc.runtime.outside import read_text, reading
+from safeloc.runtime.toml_place import line_of, refusal
 
 LARGEST_TEXT = 1_000_000
 Question = Literal["containment", "availability", "width", "time to withdraw", "reaction"]

@@ -8,17 +8,19 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from safeloc.errors import InputError
-from safeloc.runtime.outside import quoted
+from safeloc.runtime.toml_place import line_of, refusal
 from safeloc.simulation.motion import VehicleConfig
 
 
 def load_vehicle(path: Path) -> VehicleConfig:
-    """Read a vehicle. InputError with file and field for anything wrong in it.
+    """Read a vehicle. InputError with file, line and field for anything wrong in it.
 
     The table [localization] is for the audit of a line and is not read here.
     """
+    text = ""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        data = tomllib.loads(text)
         return VehicleConfig.model_validate({key: value for key, value in data.items() if key != "localization"})
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file.") from error
@@ -27,8 +29,4 @@ def load_vehicle(path: Path) -> VehicleConfig:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not TOML ({error}).") from error
     except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        reason = first["msg"].removeprefix("Value error, ").rstrip(".")
-        told = f"field {field}: {reason} (got {quoted(first['input'])})" if field else reason
-        raise InputError(f"{path}: {told}.") from error
+        raise InputError(refusal(error, lambda place: f"{path}:{line_of(text, place)}")) from error

@@ -184,8 +184,8 @@ def test_wrong_configuration(call: Call, tmp_path: Path) -> None:
     called = call("prove", "odometry", "--config", str(path))
     assert called.code == 2
     assert f"{path}: 2 fields are wrong" in called.err
-    assert "- tolerance_mm: has to be a whole number (got 'wide')" in called.err
-    assert "- colour: " in called.err
+    assert "- tolerance_mm: has to be a whole number (got 'wide') (line 1)" in called.err
+    assert "- colour: " in called.err and "(line 2)" in called.err
 
 
 @pytest.mark.parametrize(

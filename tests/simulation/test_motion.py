@@ -78,15 +78,15 @@ def test_every_vehicle_field_has_unit_and_source() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("length_mm = 1", r"bad\.toml: field length_mm: Input should be greater than or equal to 1000 \(got 1\)\.$"),
-        ("lenght_mm = 9000", r"bad\.toml: field lenght_mm: Extra inputs are not permitted"),
-        ("length_mm = 41.7", r"bad\.toml: field length_mm: Input should be a valid integer \(got 41\.7\)\.$"),
-        ("length_mm = nan", r"bad\.toml: field length_mm: "),
+        ("length_mm = 1", r"bad\.toml:1: length_mm: Input should be greater than or equal to 1000 \(got 1\)\.$"),
+        ("lenght_mm = 9000", r"bad\.toml:1: lenght_mm: Extra inputs are not permitted"),
+        ("# a railcar\nlength_mm = 41.7", r"bad\.toml:2: length_mm: Input should be a valid integer \(got 41\.7\)\.$"),
+        ("length_mm = nan", r"bad\.toml:1: length_mm: "),
         ("=", r"bad\.toml: not TOML \("),
     ],
 )
 def test_a_bad_vehicle_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
-    """The message names file and field."""
+    """The message names file, line and field."""
     path = tmp_path / "bad.toml"
     path.write_text(text)
     with pytest.raises(InputError, match=message):

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
-from safeloc.railway.map.toml_place import line_of, refusal
+from safeloc.runtime.toml_place import line_of, refusal
 
 SHIPPED = Path(__file__).resolve().parents[2] / "models" / "vehicles"
 _TABLE = "localization"

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from safeloc.railway.map.elements import BaliseGroup, Fibre, OnEdge, Stretch
-from safeloc.railway.map.flaws import Flaw, Place
+from safeloc.runtime.flaws import Flaw, Place
 
 if TYPE_CHECKING:
     from safeloc.railway.map.model import Line

@@ -30,8 +30,8 @@ from safeloc.railway.map.elements import (
     Tunnel,
     VirtualSection,
 )
-from safeloc.railway.map.flaws import Flaw, FlawsError
 from safeloc.railway.map.integrity import contradictions
+from safeloc.runtime.flaws import Flaw, FlawsError
 
 Checksum = Annotated[str, Field(pattern=r"^sha256:[0-9a-f]{64}$")]
 

@@ -13,8 +13,8 @@ from pydantic import ValidationError
 
 from safeloc.errors import InputError
 from safeloc.railway.map.model import Line
-from safeloc.railway.map.toml_place import line_of, refusal
 from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
+from safeloc.runtime.toml_place import line_of, refusal
 
 LARGEST_TEXT = 50_000_000
 """Bytes of a line as TOML or JSON; enough for a hundred thousand edges."""

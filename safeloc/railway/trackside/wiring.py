@@ -18,9 +18,9 @@ from pydantic import Field, ValidationError
 from safeloc.config import Config
 from safeloc.errors import InputError
 from safeloc.models.sections import SectionsConfig
-from safeloc.railway.map.toml_place import line_of, refusal
 from safeloc.railway.trackside.division import Stretch, division_flaws
 from safeloc.runtime.outside import read_text, reading
+from safeloc.runtime.toml_place import line_of, refusal
 
 _MOST_BYTES = 10_000_000
 _Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.:-]{1,64}$")]

@@ -10,7 +10,7 @@ from safeloc.errors import InputError
 from safeloc.railway.audit.vehicle import find_layout
 from safeloc.railway.map.model import sealed
 from safeloc.railway.map.toml_files import find_line, from_json, from_toml, load_line, shipped_lines, to_toml
-from safeloc.railway.map.toml_place import line_of
+from safeloc.runtime.toml_place import line_of
 from tests.railway.map.made import marker, straight
 
 TEXT = """# a line

@@ -17,6 +17,7 @@ from safeloc.errors import InputError
 from safeloc.runtime.outside import quoted
 from safeloc.runtime.service.broker.codes import Codes
 from safeloc.runtime.service.broker.topics import PREFIX
+from safeloc.runtime.toml_place import line_of
 
 _PASSWORD = "SAFELOC_BROKER_PASSWORD"
 """Environment variable with the password, if no file has it."""
@@ -121,7 +122,8 @@ def _read(path: Path) -> BrokerFile:
         raise InputError(f"{path}: not TOML: {error}.") from error
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False, include_context=False)[0]
-        raise InputError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}.") from error
+        line, key = line_of(text, first["loc"]), ".".join(map(str, first["loc"]))
+        raise InputError(f"{path}:{line}: {key}: {first['msg']}.") from error
 
 
 def _password(file: BrokerFile, folder: Path, environment: Mapping[str, str]) -> str | None:

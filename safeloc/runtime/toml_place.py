@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from pydantic import ValidationError
 
-from safeloc.railway.map.flaws import FlawsError
+from safeloc.runtime.flaws import FlawsError
 from safeloc.runtime.outside import quoted
 
 Place = Sequence[str | int]
