@@ -3,7 +3,8 @@
 Each contract (a machine's wired inputs are in range; its discharged assumption holds) and each claim is one question. It may use
 the facts of all machines before the step, and those of earlier machines after the step. Facts of the wrong machine are used, too,
 since they were all proved for it. A goal that did not change is not asked again, unless a machine was given another truth: then the
-facts on which it rests say something else.
+facts on which it rests say something else. A claim that one step of induction does not decide is asked last, over as many steps as prove it of
+the unchanged composition.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ from safeloc.language.expr import TRUE, Bool, NumVar, all_of
 from safeloc.language.spec import Property, observe
 from safeloc.language.system import TransitionSystem, environment, in_range
 from safeloc.language.terms import Substitution
+from safeloc.proof.provers.facts import Fact
+from safeloc.proof.provers.kinduction import queries
 from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.proved_base import Base
 from safeloc.proof.provers.relevance import Relevance
 
 
@@ -44,15 +48,17 @@ class _Question:
 class CompositionBench:
     """All facts about a composition that are needed to judge its mutants.
 
-    right  the unchanged composition
-    asked  the goals that are proved for it, by name
-    told   outputs of the unchanged composition along its recordings, by name of the run
+    right   the unchanged composition
+    asked   the goals that are proved for it, by name
+    deeper  the claims that more than one step of induction proves for it, by name, with the number of steps
+    told    outputs of the unchanged composition along its recordings, by name of the run
     """
 
     composed: Composed
     canon: Canon
     right: TransitionSystem
     asked: Mapping[str, Bool]
+    deeper: Mapping[str, int]
     runs: Sequence[Run]
     told: Mapping[str, tuple[tuple[object, ...], ...]]
     limits: Limits
@@ -65,9 +71,11 @@ def composition_bench(composed: Composed, limits: Limits) -> CompositionBench:
     proved = {
         one.name: one.goal for one in _questions(system, composed.claims, canon) if not _fails(one, canon, limits)
     }
+    left = [one for one in composed.claims if f"property {one.name}" not in proved and one.kind != "reachable"]
+    deeper = {one.name: k for one in left if (k := _least_steps(system, one, canon, limits))}
     runs = list(recorded(composed.target, composed.target.system))
     told = {run.name: outputs_along(system, run) for run in runs}
-    return CompositionBench(composed, canon, system, proved, runs, told, limits)
+    return CompositionBench(composed, canon, system, proved, deeper, runs, told, limits)
 
 
 def of_member(on: CompositionBench, mutant: Mutant, *, everywhere: bool) -> Outcome:
@@ -106,13 +114,22 @@ def _judged(
     ]
     if failed:
         return Outcome(results.UNPROVED, tuple(failed), "refuted or not decided in one step of the whole")
-    for run in on.runs:
-        if outputs_along(system, run) != on.told[run.name]:
-            return Outcome(results.RECORDED, (), run.name)
-    if not by_truth and _is_equivalent(on, system):
+    apart = next((run.name for run in on.runs if outputs_along(system, run) != on.told[run.name]), "")
+    if not (apart or by_truth) and _is_equivalent(on, system):
         return Outcome(
             results.EQUIVALENT, (), "the same step and outputs in every reachable state, under the assumption"
         )
+    lost = [
+        one.name
+        for one in claims
+        if one.name in on.deeper and not _by_steps(system, one, on.deeper[one.name], on.canon, on.limits)
+    ]
+    if lost:
+        steps = max(on.deeper[name] for name in lost)
+        names = tuple(f"property {name}" for name in lost)
+        return Outcome(results.UNPROVED, names, f"refuted or not decided in {steps} steps of the whole")
+    if apart:
+        return Outcome(results.RECORDED, (), apart)
     return Outcome(results.SURVIVED, (), "neither its own claims nor those of the whole notice")
 
 
@@ -180,6 +197,20 @@ def _of_claim(
     wanted = canon.share.bool(Substitution({**system.next, **moves}).bool(good))
     hypotheses = relevant.select([environment(goal.plain), *known], [wanted, good])
     return _Question(f"property {prop.name}", (*hypotheses, good), wanted)
+
+
+def _least_steps(system: TransitionSystem, prop: Property, canon: Canon, limits: Limits) -> int:
+    """Return by how many steps of induction the claim is proved, from 2 on; 0 if by none within the limits."""
+    return next((k for k in range(2, limits.induction + 1) if _by_steps(system, prop, k, canon, limits)), 0)
+
+
+def _by_steps(system: TransitionSystem, prop: Property, k: int, canon: Canon, limits: Limits) -> bool:
+    """Return whether so many steps of induction prove the claim, from the facts of all machines and their contracts."""
+    facts = [term for number in range(len(system.parts)) for term in _facts(system, number)]
+    known = {Fact("lemma", str(number)): term for number, term in enumerate(facts)}
+    kept = {Fact("contract", part.name): part.contract for part in system.parts}
+    asked = queries(observe(system, prop), Base(known, {}, {}, {}, limits.seconds, kept), k)
+    return not any(canon.asked.failures(one.hypotheses, one.goals, limits.seconds) for one in asked)
 
 
 def _facts(system: TransitionSystem, number: int) -> list[Bool]:
