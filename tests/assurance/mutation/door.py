@@ -61,6 +61,18 @@ def listening() -> Target:
     return Target("watched_door", (first, second), whole.system, (*_claims(whole, second), heard))
 
 
+def lasting() -> Target:
+    """Both, with nothing claimed of the door by itself, and a claim of the whole that one step of induction does not prove."""
+    first, second = watch(), door()
+    whole = compose("watched_door", [first, second], {SLOW: first.flag("slow"), SILENT: first.flag("silent")})
+    of = whole.of(second)
+    shut, nothing = of.bool(second.mode.eq(second.modes[0])), of.bool(OPENED.eq(0))
+    lasts = always(
+        "a door that stays shut is counted", (shut & earlier_bool(shut)).implies(nothing), unconditional=True
+    )
+    return Target("watched_door", (first, second), whole.system, (lasts,))
+
+
 def truthful() -> Target:
     """Both with the truth: the watch's world moves it, the door's world is wired to it, and the door trusts the watch."""
     first, second = watch(), door()

@@ -10,7 +10,7 @@ import pytest
 
 from safeloc.assurance.mutation.claims import Canon
 from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
-from safeloc.assurance.mutation.judge_composition_mutant import composition_bench, of_wire, shared
+from safeloc.assurance.mutation.judge_composition_mutant import composition_bench, of_member, of_wire, shared
 from safeloc.assurance.mutation.members import Composed, composed, joined
 from safeloc.assurance.mutation.places import Places, noted
 from safeloc.assurance.mutation.results import Judged, Outcome, by_requirement
@@ -22,7 +22,7 @@ from safeloc.errors import InputError
 from safeloc.language.terms import alike
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
-from tests.assurance.mutation.door import listening, target, truthful
+from tests.assurance.mutation.door import lasting, listening, target, truthful
 
 PLAN = Plan(Limits(seconds=2), 0, 2)
 
@@ -75,6 +75,24 @@ def test_the_whole_notices_what_the_machine_does_not() -> None:
     for words, where in (("50 becomes 51", "output slow"), ("seen_mm_s keeps its value", "row 'sees'")):
         one = found(words, where)
         assert ("no longer proved", ("property open for slow ones only",)) == (one.everywhere.fate, one.everywhere.by)
+
+
+def test_a_claim_that_two_steps_prove_notices() -> None:
+    """One step of induction proves it of no composition, so it is asked over two; what does not concern it survives."""
+    with noted() as places:
+        whole = lasting()
+    made = composed(whole, places)
+    on = composition_bench(made, PLAN.limits)
+    assert ({}, {"a door that stays shut is counted": 2}) == (on.asked, on.deeper)
+    mutants = parts(made, places, most=None, seed=0).members
+    kept, deaf = (
+        next(one for one in mutants if one.words == words and row in str(one.where))
+        for words, row in (("opened keeps its value", "shuts"), ("condition 2 is left out", "opens"))
+    )
+    counted = of_member(on, kept, everywhere=True)
+    assert ("no longer proved", ("property a door that stays shut is counted",)) == (counted.fate, counted.by)
+    assert "refuted or not decided in 2 steps of the whole" == counted.how
+    assert "survived" == of_member(on, deaf, everywhere=True).fate
 
 
 def test_a_wrong_wire() -> None:
