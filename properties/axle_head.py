@@ -85,25 +85,30 @@ def _wheels(model: AxleHead) -> Iterator[Property]:
 
 
 def _sequences(model: AxleHead) -> Iterator[Property]:
-    """Claim the sequences of the channels that count an axle."""
-    own = model.own
-    some, alive = own.channel_a_damped | own.channel_b_damped, _alive(own)
-    heard = some & alive
-    both, from_a, from_b = (
-        previous(since(heard, heard & own.channel_a_damped & own.channel_b_damped)),
-        previous(since(heard, heard & own.channel_a_damped & ~own.channel_b_damped & ~previous(some | ~alive))),
-        previous(since(heard, heard & own.channel_b_damped & ~own.channel_a_damped & ~previous(some | ~alive))),
-    )
+    """Claim the sequences of the channels that count an axle, and those that lead to each mode, so that two steps of induction prove them."""
+    own, mode = model.own, model.machine.mode
+    free, a_first, both_up, b_last, b_first, both_down, a_last, _ = model.machine.modes
+    a, b, alive = own.channel_a_damped, own.channel_b_damped, _alive(own)
+    some = a | b
+    heard, came = some & alive, ~previous(some | ~alive)
+    overlapped, from_a, from_b = (since(heard, heard & begun) for begun in (a & b, a & ~b & came, b & ~a & came))
+    is_free = mode.eq(free).implies(~some & alive)
     yield _held(
         "no axle without overlap",
-        own.axle.ne(NO_AXLE).implies(both & ~some & alive),
-        "an axle is counted only when both channels are free again, and were damped together since they were free before; both are alive all the while",
+        own.axle.ne(NO_AXLE).implies(previous(overlapped) & ~some & alive)
+        & mode.one_of(both_up, b_last, both_down, a_last).implies(overlapped),
+        "an axle is counted only when both channels are free again, and were damped together since they were free before, as they "
+        "were in each mode of a wheel that is beyond its first channel; both are alive all the while",
     )
     yield _held(
         "an axle comes in at one channel and goes out at the other",
-        own.axle.eq(UP).implies(from_a & previous(own.channel_b_damped & ~own.channel_a_damped))
-        & own.axle.eq(DOWN).implies(from_b & previous(own.channel_a_damped & ~own.channel_b_damped)),
-        "an axle upwards damped A alone first and B alone last; an axle downwards the other way round; both channels were alive all the while",
+        own.axle.eq(UP).implies(previous(from_a & b & ~a))
+        & own.axle.eq(DOWN).implies(previous(from_b & a & ~b))
+        & mode.one_of(a_first, both_up, b_last).implies(from_a)
+        & mode.one_of(b_first, both_down, a_last).implies(from_b)
+        & is_free,
+        "an axle upwards damped A alone first and B alone last; an axle downwards the other way round, and so did a wheel "
+        "in each mode of one that has come; both channels were alive all the while",
     )
 
 
