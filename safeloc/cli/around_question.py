@@ -83,7 +83,7 @@ def general(loaded: Target, limits: Limits, store: Store) -> General:
 
     def proved(prop: Property) -> Mapping[str, str] | None:
         found = prove_target(loaded, only=[prop.name], limits=limits, jobs=1, store=store)
-        [one] = [finding for finding in found if finding.id.endswith(f"/{prop.name}")]
+        [one] = [finding for finding in found if finding.kind == "property"]
         return one.result.certificates if isinstance(one.result, Proved) else None
 
     return proved

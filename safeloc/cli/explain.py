@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,11 +19,12 @@ from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
 from safeloc.cli.options import ConfigOption, DepthOption, JobsOption, SecondsOption, SeedOption, TargetArgument
 from safeloc.cli.show import code
 from safeloc.errors import InputError
-from safeloc.explain.explanation import Explanation, explained
+from safeloc.explain.explanation import Explanation, Section, explained
 from safeloc.explain.pytest_file import pytest_file
 from safeloc.explain.recording import explained_recording
 from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
+from safeloc.language.verdict import Proved, word
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cores.cores import Core
 from safeloc.proof.provers.limits import Limits
@@ -70,9 +72,19 @@ def explain(
     findings = prove_target(loaded, only=[prop.name], limits=limits, jobs=jobs, store=store, fresh=fresh)
     print_cached(findings, quiet=as_json)
     [finding] = [one for one in findings if one.kind == "property"]
+    open_ = [one for one in findings if one.kind == "obligation" and not isinstance(one.result, Proved)]
     find_core = partial(_core, loaded, limits, jobs, store, fresh)
     told = explained(loaded, prop, finding, limits, find_core=find_core, shown_by=_strengths(store, loaded, prop))
-    raise typer.Exit(_show(told, finding, loaded, prop, config, test, as_json=as_json))
+    _show(_warned(told, open_), finding, loaded, prop, config, test, as_json=as_json)
+    raise typer.Exit(code([finding, *open_]))
+
+
+def _warned(told: Explanation, open_: Sequence[Finding]) -> Explanation:
+    """Put first that the assumption is not shown to be kept, where it is not: then the proof may be empty."""
+    if not open_:
+        return told
+    lines = [f"{word(one.result)}: {one.statement}. {getattr(one.result, 'reason', '')}".rstrip() for one in open_]
+    return replace(told, sections=(Section("The proof may be empty: its assumption", tuple(lines)), *told.sections))
 
 
 def _loaded(target: str, config: Path | None, configuration: str | None) -> Target:

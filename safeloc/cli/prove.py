@@ -38,7 +38,10 @@ from safeloc.report.data import report_data
 def prove(
     target: TargetArgument,
     config: ConfigOption = None,
-    only: Annotated[list[str] | None, typer.Option("--property", help="only this property (repeatable)")] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--property", help="only this property (repeatable), and whether the assumption can be kept"),
+    ] = None,
     configurations: Annotated[
         list[str] | None,
         typer.Option(

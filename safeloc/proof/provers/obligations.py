@@ -83,6 +83,28 @@ def obligations(
     return obliging.findings
 
 
+def assumption_obligations(
+    system: TransitionSystem,
+    limits: Limits,
+    *,
+    jobs: int = 1,
+    on_finding: OnFinding | None = None,
+    recordings: Sequence[Recording] = (),
+) -> list[Finding]:
+    """Return the obligations of the assumption alone: without them a proof under it may be empty."""
+    queue = Queue(jobs)
+    obliging = Obliging(
+        system, limits, CaseSearch(system, (), limits, recordings, NO_WITNESSES), on_finding, recordings
+    )
+
+    def begin(_known: Base, _seconds: float) -> None:
+        obliging.begin_assumption(queue)
+
+    with_base(queue, system, limits, begin)
+    queue.run()
+    return obliging.findings
+
+
 class Obliging:
     """The checks of a system's free obligations, as tasks of a queue.
 
@@ -114,10 +136,20 @@ class Obliging:
 
     def begin_checks(self, queue: Queue) -> None:
         """Add every check that is one task."""
-        lasting: Check = partial(assumption_kept, recordings=self._recordings)
         in_claims: Check = partial(absence_in_claims, self._cases.properties)
-        for name, check in {**CHECKS, "assumption": lasting, CLAIMS: in_claims}.items():
-            self._add(queue, name, partial(check, self._system, self._limits), partial(self._receive, name))
+        for name, check in {**CHECKS, "assumption": self._lasting, CLAIMS: in_claims}.items():
+            self._check(queue, name, check)
+
+    def begin_assumption(self, queue: Queue) -> None:
+        """Add the check of the assumption, and no other."""
+        self._check(queue, "assumption", self._lasting)
+
+    @property
+    def _lasting(self) -> Check:
+        return partial(assumption_kept, recordings=self._recordings)
+
+    def _check(self, queue: Queue, name: str, check: Check) -> None:
+        self._add(queue, name, partial(check, self._system, self._limits), partial(self._receive, name))
 
     def begin_known_runs(self, queue: Queue) -> None:
         """Add the look for modes and transitions in known runs; it needs no proved fact."""

@@ -9,7 +9,8 @@ In every call, `store` is the cache of earlier results (None: no cache), and `fr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from safeloc.errors import InputError
 from safeloc.language.spec import Property
@@ -20,7 +21,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import OnFinding
 from safeloc.proof.results import Finding, Findings
 from safeloc.proof.verification.many import Event, OnEvent, verify_targets
-from safeloc.proof.verification.one import OnPhase, Plan, Work, claims, obligation_count
+from safeloc.proof.verification.one import ASSUMPTION_COUNT, OnPhase, Plan, Work, claims, obligation_count
 from safeloc.proof.verification.unasked import nothing_asked, nothing_tested
 from safeloc.target import Target
 
@@ -50,22 +51,45 @@ def prove_target(
 ) -> Findings:
     """Prove the properties and obligations of a target in at most `jobs` processes; return the findings.
 
-    only    names of properties: only these are proved, and no obligation; InputError for a name that the target does not have
+    only    names of properties: only these are proved, and of the obligations those of the assumption, since without these a proof under
+            it may be empty; lemmas and contracts alone, without any obligation, if no name is given. InputError for a name that the target
+            does not have
     limits  bounds of the provers, for each property
     """
-    properties = chosen_properties(target, only)
-    question = None if store is None else asked(target, "proved", limits, None if only is None else list(only))
-    found = None if fresh or question is None else found_before(store, question)
-    if found is None:
-        with kept_in(store, fresh=fresh):
-            work = Work(target, jobs, on_phase, on_finding)
-            if only is None:
-                found = [finding for part in work.proved_and_obliged(limits) for finding in part]
-            else:
-                found = [*nothing_asked(target), *work.proved(properties, limits)]
-        if question is not None:
-            keep(store, question, found)
-    return Findings(found)
+    properties, work = chosen_properties(target, only), Work(target, jobs, on_phase, on_finding)
+
+    def chosen() -> list[Finding]:
+        return [*nothing_asked(target), *work.proved(properties, limits)]
+
+    def every() -> list[Finding]:
+        return [finding for part in work.proved_and_obliged(limits) for finding in part]
+
+    keeping = _Keeping(target, store, fresh)
+    if only is None:
+        return Findings(keeping.found(every, "proved", limits, None))
+    proved = keeping.found(chosen, "proved", limits, list(only))
+    kept = keeping.found(lambda: work.assumption_kept(limits), "assumption", limits) if only else []
+    return Findings([*proved, *kept])
+
+
+@dataclass(frozen=True)
+class _Keeping:
+    """Where findings of a target are kept from run to run, if anywhere."""
+
+    target: Target
+    store: Store | None
+    fresh: bool
+
+    def found(self, work: Callable[[], list[Finding]], *question: object) -> list[Finding]:
+        """Return the kept findings of a request, or those that the work finds now."""
+        request = None if self.store is None else asked(self.target, *question)
+        found = None if self.fresh or request is None else found_before(self.store, request)
+        if found is None:
+            with kept_in(self.store, fresh=self.fresh):
+                found = work()
+            if request is not None:
+                keep(self.store, request, found)
+        return found
 
 
 def run_property_tests(
@@ -117,7 +141,8 @@ def chosen_properties(target: Target, names: Sequence[str] | None) -> list[Prope
 
 def expected_of_proof(target: Target, only: Sequence[str] | None) -> int:
     """Estimate the number of findings of `prove_target`."""
-    return claims(target, chosen_properties(target, only)) + (obligation_count(target) if only is None else 0)
+    obliged = obligation_count(target) if only is None else ASSUMPTION_COUNT
+    return claims(target, chosen_properties(target, only)) + obliged
 
 
 def expected_of_tests(target: Target) -> int:

@@ -12,7 +12,7 @@ from safeloc.language.verdict import Proved
 from safeloc.proof.provers.antecedents import found
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.obligations import CHECKS, Obliging, obligations
+from safeloc.proof.provers.obligations import CHECKS, Obliging, assumption_obligations, obligations
 from safeloc.proof.provers.portfolio import OnFinding, Proving, prove, with_base
 from safeloc.proof.provers.proved_base import Base
 from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
@@ -29,6 +29,10 @@ from safeloc.target import Target
 
 OnPhase = Callable[[str, int], None]
 """Callback for the start of a phase: its description, and the expected number of findings."""
+
+
+ASSUMPTION_COUNT = 3
+"""Number of the obligations of the assumption."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +139,13 @@ class Work:
             recordings=self._recordings(),
             witnesses=self._witnesses,
             properties=self.target.properties,
+        )
+
+    def assumption_kept(self, limits: Limits) -> list[Finding]:
+        """Prove that the assumption can be kept: the obligations without which a proof under it may be empty."""
+        self.on_phase(f"assumption of {self.target.name}", ASSUMPTION_COUNT)
+        return assumption_obligations(
+            self.target.system, limits, jobs=self.jobs, on_finding=self.on_finding, recordings=self._recordings()
         )
 
     def tested(self, plan: Plan, obliged: Sequence[Finding]) -> list[Finding]:

@@ -9,7 +9,13 @@ import pytest
 
 from safeloc.catalogue import load_target
 from safeloc.errors import InputError
+from safeloc.language.expr import Bool, number
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always
+from safeloc.language.system import lower
+from safeloc.language.units import MM_S
 from safeloc.language.verdict import word
+from safeloc.language.world import World
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
@@ -26,6 +32,7 @@ from safeloc.proof.verification.calls import (
 from safeloc.proof.verification.one import Plan
 from safeloc.target import Target
 
+ASSUMPTION = ["assumption", "assumption lasts", "dead ends"]
 PLAN = Plan(Limits(depth=6, seconds=20), examples=4, steps=10, seed=1)
 
 
@@ -62,13 +69,37 @@ def test_side_by_side_as_one_after_the_other(delocalized: Target) -> None:
 
 
 def test_only_the_named_property_is_proved(delocalized: Target) -> None:
-    """No obligation is proved; an unknown name is refused with the names that exist."""
+    """With the obligations of the assumption alone; an unknown name is refused with the names that exist."""
     name = delocalized.properties[0].name
     findings = prove_target(delocalized, only=[name], jobs=1)
-    assert "obligation" not in {one.kind for one in findings}
+    assert ASSUMPTION == [one.id.split("/")[-1] for one in findings if one.kind == "obligation"]
+    assert "obligation" not in {one.kind for one in prove_target(delocalized, only=[], jobs=1)}
     assert [name] == [one.id.split("/")[-1] for one in findings if one.kind == "property"]
     with pytest.raises(InputError, match=r"^delocalized has no property 'none'; it has "):
         chosen_properties(delocalized, ["none"])
+
+
+SPEED, TRUE_SPEED = number("speed_mm_s", MM_S, 0, 100), number("true_speed_mm_s", MM_S, 0, 100)
+
+
+def under(laws: dict[str, Bool]) -> Target:
+    """A machine that tells its speed, with a claim that is wrong, under laws of the world."""
+    (on,) = modes("ON")
+    seen = number("seen_mm_s", MM_S, 0, 100)
+    world = World({TRUE_SPEED: 0}, (), {TRUE_SPEED: SPEED}, laws)
+    stays = Transition("sees", on, on, set={seen: SPEED}, requirements=("REQ-1",))
+    made = Machine("seer", (on,), [SPEED], {seen: 0}, {"seen": seen}, [stays], world=world)
+    return Target("seer", (made,), lower(made), (always("slow", seen <= 10),))
+
+
+def test_an_assumption_that_nothing_keeps_is_told_with_one_property() -> None:
+    """Of laws that exclude each other a wrong claim follows; so what is asked of one claim alone does not hold either."""
+    contradicting = under({"fast": SPEED > 50, "slow": SPEED < 20})
+    found = {one.id.split("/", 1)[1]: word(one.result) for one in prove_target(contradicting, only=["slow"], jobs=1)}
+    assert "proved" == found["property/slow"]
+    assert {"violated"} == {found[f"obligation/{name}"] for name in ASSUMPTION}
+    lawful = under({"slow": SPEED < 5})
+    assert {"proved"} == {word(one.result) for one in prove_target(lawful, only=["slow"], jobs=1)}
 
 
 def test_a_store_keeps_what_was_proved(delocalized: Target, tmp_path: Path) -> None:
