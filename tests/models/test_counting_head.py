@@ -185,7 +185,7 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     ),
     "a head is told as damped always": ("_head_is_damped", lambda own: TRUE, "a free head is not told as damped"),
 }
-ONE_STEP = (CONTRACT, ADDS, "each sample belongs to one cycle")
+ONE_STEP = (CONTRACT, ADDS, REFUSED, "each sample belongs to one cycle")
 """Claims that one step of induction decides, the contract together with the lemmas; the others look back by one step more."""
 
 
