@@ -19,6 +19,6 @@ def lemmas(own: Parts, current: NumVar, table: tuple[Lit, ...]) -> dict[str, Boo
     return {
         "the mode is where the wheel is": all_of([current.eq(free).implies(~between(0, own.wheel, end - 1)), *places]),
         "the axle is the wheel that passed": current.eq(disturbed) | own.ended | own.axle.eq(own.passed),
-        "a disturbance ends where the head is free": own.ended.implies(current.eq(free)),
         "an axle is reported when the head is free": current.ne(free).implies(own.axle.eq(NO_AXLE)),
+        "a disturbance has ended where the head is free": own.ended.implies(current.eq(free)),
     }

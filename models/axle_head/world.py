@@ -48,8 +48,8 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
             figures=("spacing_mm", "overlap_mm"),
             source="[S] DP 1 728 700: overlapping pulses; [M, fairly sure] the quiescent current of a wheel sensor is watched",
             owner="supplier",
-            check="type test with the smallest wheel, a cut and a shorted cable, and a sensor off the rail; brakes and other metal disturb the "
-            "head and are reported by it",
+            check="type test with the smallest wheel, a cut and a shorted cable, and a sensor off the rail, each told before a sample is wrong; brakes "
+            "and other metal disturb the head and are reported by it",
         ),
         "wheels do not jump": Law(
             between(-run, then - own.wheel, run) | off,

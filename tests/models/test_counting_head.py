@@ -186,7 +186,6 @@ EDITS: dict[str, tuple[str, Edit, str]] = {
     "a head is told as damped always": ("_head_is_damped", lambda own: TRUE, "a free head is not told as damped"),
 }
 DEEPER = (
-    REFUSED,
     "a wheel that goes back on the head is a fault of the cycle",
     "a wheel that leaves uncounted is a fault of the cycle",
     "nothing else is a fault of the cycle",

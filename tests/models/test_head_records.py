@@ -130,6 +130,18 @@ def test_a_head_that_did_not_watch_its_current_would_lack_axles() -> None:
     assert {(1,), (2,)} <= of_a_cut(60_000, "ab", 0, alive=True)
 
 
+@pytest.mark.parametrize(("late", "short"), [(100, False), (1_000, True)])
+def test_a_current_that_tells_too_late_would_lack_axles(late: int, short: bool) -> None:
+    """Both channels fall silent, and tell so some samples later: within 50 ms no record lacks an axle; half a second later the record is out."""
+    steps = passage(60_000)
+    longer, found = [*steps, *[steps[-1]] * 1_200], set[tuple[int, ...]]()
+    for begin in range(0, len(steps), 15):
+        cut = head.cut(longer, begin, len(longer))
+        told = [{**step, **head.ALIVE} if begin <= n < begin + late else step for n, step in enumerate(cut)]
+        found.add(axles_of(head.without_truth(told), 60_000))
+    assert short is bool(found - {(), (len(WHEELS),)})
+
+
 def test_a_counter_that_did_not_hear_its_head_would_lack_an_axle() -> None:
     """The same runs, with the head told as free: where channel B stays damped under the last wheel, the record is one axle short."""
     assert (len(WHEELS) - 1,) in records_of("b", 60_000, damped=True, head_damped=False)
