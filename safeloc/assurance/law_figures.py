@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,14 @@ from safeloc.config import figures
 from safeloc.language.world import Law
 
 FROM_MEMORY = "[M]"
-"""Beginning of the source of a figure that was not read in any document."""
+"""Mark of a figure that was not read in any document."""
+_REMEMBERED = re.compile(r"(?:^|; )\[M[],]")
+"""The same mark of a source, or of one of several; also with how sure the memory is: `[M, unsure]`."""
+
+
+def is_from_memory(source: str) -> bool:
+    """Return whether a source, or a part of it, is somebody's memory."""
+    return _REMEMBERED.search(source) is not None
 
 
 @dataclass(frozen=True)
@@ -26,7 +34,7 @@ class Figure:
     @property
     def to_confirm(self) -> bool:
         """Return whether the operator has to confirm it, because it is an engineering default."""
-        return self.source.startswith(FROM_MEMORY)
+        return is_from_memory(self.source)
 
 
 @dataclass(frozen=True)

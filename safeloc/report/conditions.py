@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from safeloc.assurance.law_figures import FROM_MEMORY, Figure, figures_named, to_confirm
+from safeloc.assurance.law_figures import FROM_MEMORY, Figure, figures_named, is_from_memory, to_confirm
 from safeloc.assurance.register import NOBODY
 from safeloc.language.verdict import SHOWN
 
@@ -68,7 +68,7 @@ def _figure(one: _Data) -> Figure:
 
 def _to_confirm(law: _Data, named: Sequence[str]) -> dict[str, Any]:
     """Return the figures of a law in words, and whether one of them, or the law itself, is from memory."""
-    return {"figures": named, "confirm": any(FROM_MEMORY in words for words in (*named, law["source"]))}
+    return {"figures": named, "confirm": any(FROM_MEMORY in one for one in named) or is_from_memory(law["source"])}
 
 
 def _by_owner(laws: Sequence[_Data]) -> list[dict[str, Any]]:

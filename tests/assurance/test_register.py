@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from pydantic import BaseModel
 
-from safeloc.assurance.law_figures import FROM_MEMORY
+from safeloc.assurance.law_figures import FROM_MEMORY, is_from_memory
 from safeloc.assurance.register import Assumption, figures_to_confirm, of_border, register, register_of
 from safeloc.catalogue import load_target
 from safeloc.config import Config, quantity
@@ -135,6 +136,22 @@ def test_a_law_that_one_of_two_targets_guarantees_is_left_to_others() -> None:
     assert (("supervised_odometry",), True) == (row.guaranteed, row.is_left_to_others)
     (row,) = (row for row in register_of([load_target("supervised_odometry")]).rows if row.guaranteed)
     assert not row.is_left_to_others
+
+
+@pytest.mark.parametrize(
+    ("source", "remembered"),
+    [
+        ("[M] a data sheet", True),
+        ("[M, unsure]", True),
+        ("[S] a standard; [M, fairly sure] the figure", True),
+        ("[S] a standard", False),
+        ("the default here, elsewhere 12 [M] a data sheet", False),
+        ("[D] from [M]", False),
+    ],
+)
+def test_memory_is_memory_however_sure(source: str, remembered: bool) -> None:
+    """Also where it is one of several sources, and where it says how sure it is."""
+    assert remembered is is_from_memory(source)
 
 
 def test_figures_from_memory_are_counted_once() -> None:
