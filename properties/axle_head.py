@@ -61,7 +61,7 @@ def _wheels(model: AxleHead) -> Iterator[Property]:
     disturbed, was_disturbed = machine.flag("disturbed"), before(machine.mode).eq(machine.modes[-1])
     yield under_assumption(
         "every axle is counted",
-        (own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down)) | disturbed | was_disturbed,
+        (~disturbed & ~was_disturbed).implies(own.axle.eq(UP).iff(through_up) & own.axle.eq(DOWN).iff(through_down)),
         statement="an axle is counted upwards in exactly the sample in which a wheel that came from below has left above; "
         "and downwards the other way round; unless the head is disturbed in that sample, or was in the one before",
     )

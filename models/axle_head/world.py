@@ -53,8 +53,8 @@ def _clauses(own: Parts) -> dict[str, Bool | Law]:
         ),
         "wheels do not jump": Law(
             between(-run, then - own.wheel, run) | off,
-            "Between two samples a wheel runs no farther than at the highest speed. Of two wheels that follow "
-            "each other, the first has left the head before the second comes.",
+            "Between two samples a wheel that is on the head, before or after, runs no farther than at the highest speed. Of two wheels that "
+            "follow each other, the first has left the head before the second comes; off the head the nearest one may be another than before.",
             figures=SAMPLED,
             source="[M] the smallest distance of two axles, about a metre, is longer than the head",
             owner="operator",

@@ -6,6 +6,7 @@ links both ways: from a requirement to the transitions that implement it and the
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ from functools import cache
 from pathlib import Path
 from typing import Literal, Protocol
 
-from safeloc.errors import ModelError
+from safeloc.errors import InputError, ModelError
 from safeloc.language.machine import Machine
+from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 
 FILE = Path(__file__).with_name("requirements.toml")
@@ -32,6 +34,10 @@ class Requirement:
     text: str
     source: str
     carried_by: str = ""
+
+    def is_meant(self, id_: str | None, text: str | None) -> bool:
+        """Return whether it has this id, and this text, each any if None; case is ignored."""
+        return (id_ is None or id_.casefold() == self.id.casefold()) and (text or "").casefold() in self.text.casefold()
 
 
 @cache
@@ -116,6 +122,20 @@ class _Traceability:
 
     links: tuple[Link, ...]
     items: tuple[Item, ...]
+
+    def chosen(self, id_: str | None, text: str | None) -> tuple[list[Link], list[Item], list[str]]:
+        """Return the requirements of an id and with a text, each any if None, with what leads to them, and their gaps.
+
+        Case is ignored. InputError if there is none.
+        """
+        links = [link for link in self.links if link.requirement.is_meant(id_, text)]
+        if not links:
+            wanted = [f"the id {id_!r}" if id_ is not None else "", f"the text {text!r}" if text is not None else ""]
+            known = [link.requirement.id for link in self.links]
+            raise InputError(f"no requirement has {' and '.join(filter(None, wanted))}.{hint(id_ or '', known)}")
+        kept = {link.requirement.id for link in links}
+        items = [item for item in self.items if kept & set(item.requirements)]
+        return links, items, [gap for gap in self.gaps if kept & set(re.findall(r"[\w-]+", gap))]
 
     @property
     def gaps(self) -> tuple[str, ...]:

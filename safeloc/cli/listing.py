@@ -47,10 +47,11 @@ def list_(
         typer.Option("--machine", help="only this machine, shipped or your own (repeatable)"),
     ] = None,
     requirement: Annotated[
-        str | None, typer.Option("--id", help="only properties that verify this requirement, such as MRK-D1")
+        str | None, typer.Option("--id", help="only this requirement, such as MRK-D1, or the properties that verify it")
     ] = None,
     text: Annotated[
-        str | None, typer.Option("--text", help="only properties with this text in name or statement")
+        str | None,
+        typer.Option("--text", help="only requirements with this text, or properties with it in name or statement"),
     ] = None,
     config: Annotated[
         Path | None, typer.Option("--config", help="of `list config MACHINE`: the figures as this file sets them")
@@ -75,15 +76,15 @@ def list_(
         "assumptions": lambda: _assumptions(asked),
         "shared": lambda: _shared(asked),
         "splits": lambda: _splits(asked),
-        "requirements": lambda: _requirements(store_in(cache)),
+        "requirements": lambda: _requirements(store_in(cache), requirement, text),
         "lines": _shipped_lines,
     }
     if what not in kinds:
         raise typer.BadParameter(f"{what!r}: choose one of {', '.join(kinds)}.")
     if config is not None and (what != "config" or len(set(asked)) != 1):
         raise typer.BadParameter("--config sets the figures of one machine: safeloc list config MACHINE --config FILE.")
-    if chosen.by_text and what != "properties":
-        raise typer.BadParameter(f"--id and --text filter properties, not {what}.")
+    if chosen.by_text and what not in ("properties", "requirements"):
+        raise typer.BadParameter(f"--id and --text filter properties and requirements, not {what}.")
     if asked and what not in ("properties", "config", "recordings", "assumptions", "shared", "splits"):
         raise typer.BadParameter(
             f"--machine chooses machines of which something is listed, and {what} are not of a machine."
@@ -239,10 +240,10 @@ def _lines(rows: Sequence[dict[str, str]]) -> list[str]:
     return ["  ".join(value for value in row.values() if value) for row in rows]
 
 
-def _requirements(store: Store) -> _Listed:
-    """Return every requirement with its transitions, properties and their strength, and the links back."""
+def _requirements(store: Store, id_: str | None, text: str | None) -> _Listed:
+    """Return the chosen requirements with their transitions, properties and their strength, and the links back."""
     targets = [load_target(name) for name in ENTRIES]
-    traced, found = traceability(targets), strengths_of(store, targets)
+    (links, items, gaps), found = traceability(targets).chosen(id_, text), strengths_of(store, targets)
     data = {
         "requirements": [
             {
@@ -251,18 +252,18 @@ def _requirements(store: Store) -> _Listed:
                 "properties": link.properties,
                 "strength": as_data(found.get(link.requirement.id, [])),
             }
-            for link in traced.links
+            for link in links
         ],
-        "items": [asdict(item) for item in traced.items],
-        "gaps": traced.gaps,
+        "items": [asdict(item) for item in items],
+        "gaps": gaps,
     }
-    lines = [line for link in traced.links for line in _link_lines(link, found.get(link.requirement.id, []))]
+    lines = [line for link in links for line in _link_lines(link, found.get(link.requirement.id, []))]
     lines += [
         "",
         "Reverse traceability, from transitions and properties to requirements:",
-        *map(_item_line, traced.items),
+        *map(_item_line, items),
     ]
-    lines += ["", *(f"gap: {gap}" for gap in traced.gaps or ("none",))]
+    lines += ["", *(f"gap: {gap}" for gap in gaps or ("none",))]
     return data, lines
 
 

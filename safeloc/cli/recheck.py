@@ -88,6 +88,8 @@ def _solvers(found: Checking, asked: str) -> list[str]:
     answers = {
         name: [one for each in found.opinions.values() for one in each.answers.get(name, ())] for name in SOLVERS
     }
+    if not found.opinions:
+        return [f"no solver was asked: there are no {asked}"]
     return [
         f"{name}: {given.count('unsat')} of {len(given)} goals of {len(found.opinions)} {asked}"
         if given or name in NEEDED

@@ -14,6 +14,8 @@ from markupsafe import Markup, escape
 
 _Data = Mapping[str, Any]
 CERTIFICATES, TRACES = "certificates", "traces"
+REPORT = "REPORT"
+"""What stands for the folder of the report in a command that is not given in it."""
 _OF_PARTS = ("transition", "law")
 """What is declared in a part, and is shown under the first target that has the part."""
 _PART = re.compile(r"#\d+")
@@ -34,6 +36,11 @@ def anchor(*words: str) -> str:
 def linked(text: str, to: str) -> Markup:
     """Return the text of a term in which the number of each named part leads to that part."""
     return Markup(_PART.sub(lambda found: f'<a href="#{to}-{found[0][1:]}">{found[0]}</a>', str(escape(text))))
+
+
+def is_in_a_file(machine: _Data) -> bool:
+    """Return whether the machine is one of a file, which is found from the folder in which it was asked for only."""
+    return ".py:" in machine["spec"]
 
 
 class Links:
@@ -100,8 +107,9 @@ class Links:
         return f"{TRACES}/{self._files[row['machine']]}.js"
 
     def replay(self, row: _Data, machine: _Data) -> str:
-        """Return the command that replays the run of a result, from the folder of the report."""
-        return shlex.join(["safeloc", "replay", machine["spec"], self.run_file(row), "--run", row["id"]])
+        """Return the command that replays the run of a result, from the folder of the report; of a machine in a file from where that is found."""
+        folder = f"{REPORT}/" if is_in_a_file(machine) else ""
+        return shlex.join(["safeloc", "replay", machine["spec"], f"{folder}{self.run_file(row)}", "--run", row["id"]])
 
     def sources(self, machine: _Data, elsewhere: Collection[str]) -> dict[str, Any]:
         """Return the declarations of a target with their places on the page, and where to find each transition and law.

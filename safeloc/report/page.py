@@ -27,7 +27,7 @@ from safeloc.report.first_steps import first_steps
 from safeloc.report.glossary import words_in
 from safeloc.report.headline import ALWAYS_COUNTED, BEST_FIRST, KindAndVerdict, counted, headline
 from safeloc.report.held_in import recordings, statements
-from safeloc.report.links import Links, anchor, linked
+from safeloc.report.links import REPORT, Links, anchor, is_in_a_file, linked
 from safeloc.report.margins import first_page_row, margins_shown, of_another_version
 from safeloc.report.mutation_words import score_words
 from safeloc.report.overview import RESULTS, results_script
@@ -52,6 +52,7 @@ _LONG_ASSUMPTION = 200
 """Characters of an assumption beyond which the page says it once for each machine."""
 _MANY_ROWS = 4
 """If a claim rests on more transitions, only their number is shown."""
+_FROM_A_FILE = f"from the folder in which you asked for this report, with its own folder in place of {REPORT}"
 _LONGEST_RUN, LAST_STEPS = 40, 20
 """Of a longer run, only the last steps are shown unfolded."""
 _SUMMARY: Mapping[str, tuple[str, ...]] = {
@@ -380,4 +381,5 @@ def _violated(row: _Data, machine: _Data, links: Links) -> dict[str, Any]:
         "at": links.row(row),
         "run": links.run(row),
         "replay": links.replay(row, machine),
+        "replay_from": _FROM_A_FILE if is_in_a_file(machine) else "from the folder of this report",
     }

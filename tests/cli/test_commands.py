@@ -78,6 +78,16 @@ def test_list_requirements(call: Call) -> None:
     assert isinstance(data["gaps"], list)
 
 
+def test_list_one_requirement(call: Call) -> None:
+    """With what leads to it alone, and without the gaps of others; in whatever case."""
+    data = json.loads(call("list", "requirements", "--id", "fva-4", "--json").out)
+    assert ["FVA-4"] == [row["id"] for row in data["requirements"]]
+    assert {"axle_head", "counting_head"} <= {item["machine"] for item in data["items"]}
+    assert all("FVA-4" in item["requirements"] for item in data["items"])
+    assert [] == data["gaps"]
+    assert "FVA-4" in call("list", "requirements", "--text", "SAFE IN THE SIGNALLING SENSE").out.split()
+
+
 @pytest.mark.thorough
 def test_list_requirements_as_text(call: Call) -> None:
     """Plain lines: a requirement, below it its transitions, properties and tests, and then the way back."""

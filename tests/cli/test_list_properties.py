@@ -93,15 +93,15 @@ def test_filters_are_joined(call: Call) -> None:
         (["properties", "--machine", "odometri"], "no machine 'odometri'; there are odometry, "),
         (
             ["machines", "--text", "odometry"],
-            "--id and --text filter properties, not machines",
+            "--id and --text filter properties and requirements, not machines",
         ),
         (
             ["lines", "--machine", "odometry"],
             "--machine chooses machines of which something is listed, and lines are not of a machine",
         ),
         (
-            ["requirements", "--id", ""],
-            "--id and --text filter properties, not requirements",
+            ["requirements", "--id", "FVA-44", "--text", "quark"],
+            "safeloc: no requirement has the id 'FVA-44' and the text 'quark'. Did you mean",
         ),
     ],
 )
