@@ -49,6 +49,11 @@ def test_counterexample_replays(call: Call, tmp_path: Path) -> None:
     assert again.code == 1
     assert "opens at speed" in next(line for line in again.out.splitlines() if line.startswith("violated"))
     assert call("replay", DOOR, *trace).code == 0
+    page = (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
+    assert (
+        "Replay it from the folder in which you asked for this report, with its own folder in place of REPORT" in page
+    )
+    assert " REPORT/traces/door.js --run &#39;door/property/opens at speed&#39;" in page
 
 
 RAILWAY = ("models.", "properties", "railway", "sensing", "simulation")

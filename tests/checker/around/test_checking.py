@@ -16,6 +16,7 @@ from safeloc.checker.answer import CONFIRMED, WRONG
 from safeloc.checker.around.checking import check_around, is_around
 from safeloc.checker.folder import Checking
 from safeloc.cli.around import AroundOptions, Proving, prove_around
+from safeloc.cli.recheck import _lines
 from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
@@ -90,6 +91,11 @@ def test_the_command(written: Path, call: Call) -> None:
     """It tells what is confirmed, and by how many goals."""
     assert call("recheck", str(written)).out.startswith("3 confirmed\nz3: ")
     assert "is about the certificates of a report" in call("recheck", str(written), "--proofs").err
+
+
+def test_where_no_solver_was_asked() -> None:
+    """All questions were decided by their terms: no solver is told as one that is not installed."""
+    assert ["no results", "no solver was asked: there are no questions"] == _lines(Checking(), "questions")
 
 
 def test_a_certificate_that_is_damaged(copy: Path) -> None:
