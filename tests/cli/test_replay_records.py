@@ -139,3 +139,31 @@ def test_ghosts_may_be_recorded_too(tmp_path: Path) -> None:
     ghost = ValueRecord(time_ms=PERIOD_MS, name="true_cycle_distance_nm", value=5)
     stream, faults = recorded_steps(load_target("localizer"), short(tmp_path, ghost), PERIOD_MS)
     assert (stream.steps[0]["true_cycle_distance_nm"], faults) == (5, [])
+
+
+def test_records_of_another_machine_alone_are_refused(call: Call, tmp_path: Path) -> None:
+    """Nothing of them would be replayed, and all would hold; the name that was meant is told."""
+    path = tmp_path / "records.csv"
+    path.write_text("kind,time_ms,name,value\nvalue,100,chanel_a_damped,true\nvalue,200,chanel_a_damped,true\n")
+    done = call("replay", "axle_head", str(path), "--period-ms", "100")
+    assert 2 == done.code
+    assert f"{path}: none of its 2 records is for axle_head; the first is of 'chanel_a_damped'" in done.err
+    assert "Did you mean 'channel_a_damped'?" in done.err
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        ("value,200,channel_b_damped,maybe\n", "channel_b_damped: expected true or false, got 'maybe'."),
+        ("", "axle_head needs one in each cycle.\n"),
+    ],
+)
+def test_a_cycle_without_a_value_that_is_needed(call: Call, tmp_path: Path, wrong: str, why: str) -> None:
+    """The cycle is told by its time, and the record that was refused with the reason."""
+    path, names = tmp_path / "records.csv", ("a_damped", "a_alive", "b_alive", "b_damped")
+    good = "".join(f"value,{time},channel_{name},true\n" for time in (100, 200) for name in names[: 5 - time // 100])
+    path.write_text(f"kind,time_ms,name,value\n{good}{wrong}")
+    done = call("replay", "axle_head", str(path), "--period-ms", "100")
+    assert 2 == done.code
+    assert f"{path}: in the cycle that ends at 200 ms, input 'channel_b_damped' has no value" in done.err
+    assert why in done.err

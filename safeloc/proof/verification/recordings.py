@@ -6,11 +6,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from safeloc.errors import StreamError
 from safeloc.language.expr import NumVar
 from safeloc.language.nodes import Value
+from safeloc.language.renamed import hint
 from safeloc.language.units import Enumeration
-from safeloc.runtime.border import Channel, Fault
+from safeloc.runtime.border import Channel, Fault, Reason
 from safeloc.runtime.embedding.readable_records import readable
+from safeloc.runtime.embedding.row_layout import Placed
 from safeloc.runtime.embedding.target_inputs import TargetInputs
 from safeloc.runtime.streams.cycles import Cycle, cycles
 from safeloc.runtime.streams.record_files import read_raw
@@ -23,13 +26,15 @@ def recorded_steps(target: Target, path: Path, period_ms: int) -> tuple[StepStre
     """Return one step every `period_ms`, with its number as its line, and every fault found by the border.
 
     Names, ranges and silent machines are treated as by a Controller (docs/embedding.md). In addition a recording may
-    contain values of ghosts. StreamError for a file that is no recording, InputError for a leap of time.
+    contain values of ghosts. StreamError for a file that is no recording, for one without a record for this machine, and for a cycle
+    without a value that the machine needs; InputError for a leap of time.
     """
     known_inputs, ghosts = TargetInputs(target), _ghosts(target, period_ms)
     records = [_known(known_inputs, ghosts, number, record) for number, record in enumerate(read_raw(path))]
     channels = [*known_inputs.channels, *ghosts.values()]
     made = list(cycles(records, period_ms, channels=channels, places=lambda name: _places(known_inputs, ghosts, name)))
-    steps = [_step_of(known_inputs, ghosts, cycle) for cycle in made]
+    _require_some(path, known_inputs, made)
+    steps = [_step_of(path, known_inputs, ghosts, cycle) for cycle in made]
     faults = [fault for cycle, (_, untaken) in zip(made, steps, strict=True) for fault in (*cycle.faults, *untaken)]
     return StepStream(tuple(step for step, _ in steps), tuple(cycle.number for cycle in made)), faults
 
@@ -69,13 +74,44 @@ def _known(known_inputs: TargetInputs, ghosts: Ghosts, number: int, record: Reco
     return Unusable(record.time_ms, found.channel, found.reason, found.detail) if isinstance(found, Fault) else found
 
 
-def _step_of(known_inputs: TargetInputs, ghosts: Ghosts, cycle: Cycle) -> tuple[dict[str, Value], tuple[Fault, ...]]:
+def _require_some(path: Path, known_inputs: TargetInputs, made: Sequence[Cycle]) -> None:
+    """Refuse a recording of which every record is for another machine: nothing of it would be replayed."""
+    faults = [fault for cycle in made for fault in cycle.faults]
+    if faults and all(one.reason is Reason.UNKNOWN for one in faults) and not any(cycle.inputs for cycle in made):
+        first = faults[0].channel
+        raise StreamError(
+            f"{path}: none of its {len(faults)} records is for {known_inputs.name}; the first is of {first!r}, and "
+            f"{known_inputs.name} takes {', '.join(known_inputs.routes)}.{hint(first, known_inputs.routes)}"
+        )
+
+
+def _require_complete(path: Path, known_inputs: TargetInputs, cycle: Cycle, taken: Placed) -> None:
+    """Refuse a cycle without a value that the machine needs; a record of it that was refused is told with the reason."""
+    lacking = known_inputs.missing(taken)
+    if not lacking:
+        return
+    at = known_inputs.entries[lacking[0]].at
+    refused = [
+        f" Record {fault.number + 1} was refused: {': '.join(filter(None, [fault.reason.value, fault.detail.rstrip('.')]))}."
+        for fault in cycle.rejected
+        if fault.number is not None and any(entry.at == at for entry in known_inputs.routes.get(fault.channel, ()))
+    ]
+    raise StreamError(
+        f"{path}: in the cycle that ends at {cycle.end_ms} ms, input {lacking[0]!r} has no value; {known_inputs.name} needs one in each "
+        f"cycle.{''.join(refused[:1])}"
+    )
+
+
+def _step_of(
+    path: Path, known_inputs: TargetInputs, ghosts: Ghosts, cycle: Cycle
+) -> tuple[dict[str, Value], tuple[Fault, ...]]:
     """Return the step (inputs by full name, ghosts, and remarks), and the faults of values that no machine takes.
 
     A machine that may be silent, and got no value or too few, has the neutral values of a silent device.
     """
     on_board = {name: value for name, value in cycle.inputs.items() if name not in ghosts}
     taken, untaken = known_inputs.complete(known_inputs.placed(on_board))
+    _require_complete(path, known_inputs, cycle, taken)
     row, inputs = known_inputs.row(taken), known_inputs.system.inputs
     silent = [at for _, needed in known_inputs.silent.values() for at in needed if at not in taken]
     step = {inputs[at].name: row[at] for at in (*silent, *taken)}
