@@ -39,7 +39,7 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Wi
 from safeloc.proof.provers.relevance import relevance
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
-from safeloc.proof.provers.spacer import spacer
+from safeloc.proof.provers.spacer import CLAIMED, spacer
 from safeloc.proof.provers.verdicts_as_data import Packed, hold_for_forked, pack, pack_base, unpack, unpack_base
 from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
@@ -49,7 +49,9 @@ INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that 
 _ESCAPE_SHARE = 0.2
 """Share of the limit, on top of it, for a counterexample to induction of a property that no engine decides."""
 DEEPEST = 1_000
-"""Steps of the longest runs to an event that are searched while there is time."""
+"""Steps of the longest runs that are searched while there is time: to an event, or to a violation of what no engine decides."""
+LONGER_SHARE, CLAIMED_SHARE = 0.2, 0.8
+"""Shares of the time that is left for runs beyond the depth limit; more where Spacer claims that there is one."""
 OnFinding = Callable[[Finding], None]
 
 
@@ -79,7 +81,19 @@ def _in_turn(engines: Sequence[_Engine], goal: Goal, limits: Limits) -> Verdict:
             return verdict
         reasons.append(f"{name}: {verdict.reason}")
         depth = max(depth, verdict.depth)
+        if engine is spacer and depth >= limits.depth:
+            share = CLAIMED_SHARE if verdict.reason == CLAIMED else LONGER_SHARE
+            longer = bmc(goal, _deeper(limits, ends.left * share))
+            if not isinstance(longer, Unknown):
+                return longer
+            reasons.append(f"longer runs: {longer.reason}")
+            depth = max(depth, longer.depth)
     return Unknown("; ".join(reasons), depth)
+
+
+def _deeper(limits: Limits, seconds: float) -> Limits:
+    """Return limits for runs that are longer than the depth limit."""
+    return replace(limits, depth=max(limits.depth, DEEPEST), seconds=max(0.001, seconds))
 
 
 _Engine = tuple[str, Callable[[Goal, Limits], Verdict], float]
@@ -111,7 +125,7 @@ def _reach(goal: Goal, limits: Limits, recordings: Sequence[Recording] = ()) -> 
     if isinstance(never, Vacuous):
         return never
     if found.depth == limits.depth and ends.left > 0:
-        found = search(goal, replace(limits, depth=max(limits.depth, DEEPEST), seconds=ends.left))
+        found = search(goal, _deeper(limits, ends.left))
     if not isinstance(found, Exhausted):
         return _witnessed(found)
     return Unknown(f"not reached, and not shown to be unreachable: {found.reason}; try more --seconds", found.depth)

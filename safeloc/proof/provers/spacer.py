@@ -29,6 +29,8 @@ from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recheck import UNCONFIRMED, certify, confirmed_by
 from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
 
+CLAIMED = "spacer claims a violation; bounded search has to show it"
+"""The reason where Spacer is sure that some run, however long, breaks the property."""
 UNITS_PER_SECOND = 1_000_000
 """Units of z3's resource count in one second of Spacer's effort: 0.9 to 1.2 million on an idle processor."""
 
@@ -70,7 +72,7 @@ def _invariant(goal: Goal, facts: Sequence[Bool], limits: Limits) -> Bool | Unkn
     finally:
         spend((counted(engine) - before) % WRAPS / UNITS_PER_SECOND)
     if answer == z3.sat:
-        return Unknown("spacer claims a violation; bounded search has to show it")
+        return Unknown(CLAIMED)
     if answer != z3.unsat:
         return Unknown(f"spacer: {_text(engine.reason_unknown())}")
     return _read(engine.get_answer(), state, goal)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import pytest
 
 from safeloc.errors import EngineError, PropertyError
+from safeloc.language.expr import NumVar, number
+from safeloc.language.machine import Machine, Transition
 from safeloc.language.spec import Goal, always, reachable
 from safeloc.language.system import TransitionSystem
+from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated, require_proved, word
 from safeloc.proof.provers import portfolio as module
 from safeloc.proof.provers.limits import Limits
@@ -23,6 +27,7 @@ from tests.proof.provers.small import (
     LEVEL,
     LOW,
     MODE,
+    ONLY,
     SAME,
     TICK,
     counter,
@@ -104,6 +109,29 @@ def test_a_broken_guard_is_shown_by_a_run() -> None:
     assert isinstance(verdict, Violated)
     assert verdict.trace is not None
     assert verdict.trace.steps[-1].state == {"mode": 0, "left": 1, "right": 0}
+
+
+def lock() -> Machine:
+    """Opens by thirty numbers in a row, another one each time; any other number begins anew."""
+    key, got = number("key", COUNT, 0, 999), number("got", COUNT, 0, 30)
+    right = key.eq(got * 31 + 7)
+    rows = [
+        Transition("right", ONLY, ONLY, right & (got < 30), {got: got + 1}),
+        Transition("wrong", ONLY, ONLY, ~right, {got: 0}, rank=1),
+    ]
+    return Machine("lock", (ONLY,), [key], {got: 0}, {"got": got}, rows)
+
+
+def test_a_violation_that_spacer_claims_is_shown_beyond_the_depth_limit() -> None:
+    """A run of thirty steps, that no random one finds, although searches end after twelve."""
+    machine = lock()
+    [got] = machine.state
+    assert isinstance(got, NumVar)
+    verdict = prove_one(goal(machine, got < 30), LIMITS)
+    assert isinstance(verdict, Violated) and verdict.trace is not None
+    assert ("bmc", 30) == (verdict.engine, len(verdict.trace.steps))
+    undecided = prove_one(goal(machine, got < 30), replace(LIMITS, seconds=0.0001))
+    assert isinstance(undecided, Unknown)
 
 
 def test_reachable_is_proved_by_a_witness_and_refuted_by_induction() -> None:
