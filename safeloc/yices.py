@@ -15,7 +15,7 @@ from contextlib import suppress
 from functools import cache
 
 UNSAT, SAT, UNKNOWN = "unsat", "sat", "unknown"
-CLOCK = 6.0
+CLOCK = 20.0
 """Multiple of a limit after which the clock ends the work, whatever the process has counted."""
 LOOK_S = 10.0
 """Time in which the program has to say its version."""

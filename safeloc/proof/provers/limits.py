@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from safeloc.errors import InputError, declared_at
 
-CLOCK = 6.0
+CLOCK = 20.0
 """Multiple of a limit after which the clock ends the work, whatever effort was counted."""
 
 
