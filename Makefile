@@ -9,9 +9,9 @@
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
-# Three processes for two cores, since some tests wait for a program. Each begins with a third of the tests, file after file, so that a
-# file's machines are compiled once; who is through takes from another's end.
-SHARED := -n 3 --dist worksteal
+# Two processes for two cores. Each begins with a half of the tests, file after file, so that a file's machines are compiled once; who is
+# through takes from the other's end. A third one would collect all tests and make its own machines too: as long by the clock, and 6 % more work.
+SHARED := -n 2 --dist worksteal
 # An ordinary test takes seconds; one that hangs is ended after this time, and where it hung is told.
 ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
 # Of the tests that take more than a second and a half of processor time a sample is ordinary (tests/ordinary.py). WHICH="not slow" are all that take less

@@ -27,8 +27,8 @@ def test_each_configuration_is_proved_and_told(call: Call, tmp_path: Path) -> No
     first, second = called.out.splitlines()[-2:]
     assert first.startswith("the defaults ")
     assert second.startswith("one pattern is enough ")
-    assert first.endswith(" all holds: 3 proved")
-    assert second.endswith(" all holds: 3 proved")
+    assert first.endswith(" all holds: 5 proved, 1 shown by a run")
+    assert second.endswith(" all holds: 5 proved, 1 shown by a run")
 
 
 def test_a_configuration_of_another_kind_tells_its_figures() -> None:

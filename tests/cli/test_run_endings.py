@@ -69,7 +69,7 @@ FROM = ("--from", "mqtt://localhost/fleet")
         ),
         ((*FROM, "--snapshot", "new", "--until-end"), "--until-end is for --from file:PATH"),
         ((*FROM, "--snapshot", "new", "--broker", "none"), "none: no such file"),
-        ((*FROM, "--snapshot", "new", "--broker", "one"), "one: user: Input should be a valid string"),
+        ((*FROM, "--snapshot", "new", "--broker", "one"), "one:1: user: Input should be a valid string"),
         (("--from", "mqtt://broker.example/fleet", "--snapshot", "new"), "without TLS only loopback is allowed"),
         (("--from", "file:one", "--broker", "one"), "--broker is for --from mqtt://... or mqtts://..."),
         (("--from", "file:one", "--processes", "2"), "--processes is for --from mqtt://... or mqtts://..."),

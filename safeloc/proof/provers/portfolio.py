@@ -22,6 +22,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.before_forking import prepare
+from safeloc.proof.provers.beyond_depth import deeper, longer
 from safeloc.proof.provers.bmc import Exhausted, bmc, search
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
@@ -48,10 +49,6 @@ GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
 _ESCAPE_SHARE = 0.2
 """Share of the limit, on top of it, for a counterexample to induction of a property that no engine decides."""
-DEEPEST = 1_000
-"""Steps of the longest runs that are searched while there is time: to an event, or to a violation of what no engine decides."""
-LONGER_SHARE, CLAIMED_SHARE = 0.2, 0.8
-"""Shares of the time that is left for runs beyond the depth limit; more where Spacer claims that there is one."""
 OnFinding = Callable[[Finding], None]
 
 
@@ -82,18 +79,11 @@ def _in_turn(engines: Sequence[_Engine], goal: Goal, limits: Limits) -> Verdict:
         reasons.append(f"{name}: {verdict.reason}")
         depth = max(depth, verdict.depth)
         if engine is spacer and depth >= limits.depth:
-            share = CLAIMED_SHARE if verdict.reason == CLAIMED else LONGER_SHARE
-            longer = bmc(goal, _deeper(limits, ends.left * share))
-            if not isinstance(longer, Unknown):
-                return longer
-            reasons.append(f"longer runs: {longer.reason}")
-            depth = max(depth, longer.depth)
+            found = longer(goal, limits, ends.left, claimed=verdict.reason == CLAIMED)
+            if not isinstance(found, Unknown):
+                return found
+            reasons, depth = [*reasons, f"longer runs: {found.reason}"], max(depth, found.depth)
     return Unknown("; ".join(reasons), depth)
-
-
-def _deeper(limits: Limits, seconds: float) -> Limits:
-    """Return limits for runs that are longer than the depth limit."""
-    return replace(limits, depth=max(limits.depth, DEEPEST), seconds=max(0.001, seconds))
 
 
 _Engine = tuple[str, Callable[[Goal, Limits], Verdict], float]
@@ -125,7 +115,7 @@ def _reach(goal: Goal, limits: Limits, recordings: Sequence[Recording] = ()) -> 
     if isinstance(never, Vacuous):
         return never
     if found.depth == limits.depth and ends.left > 0:
-        found = search(goal, _deeper(limits, ends.left))
+        found = search(goal, deeper(limits, ends.left))
     if not isinstance(found, Exhausted):
         return _witnessed(found)
     return Unknown(f"not reached, and not shown to be unreachable: {found.reason}; try more --seconds", found.depth)

@@ -74,7 +74,7 @@ def prove_target(
 
 @dataclass(frozen=True)
 class _Keeping:
-    """Where findings of a target are kept from run to run, if anywhere."""
+    """Findings of a target, kept from run to run if there is a store."""
 
     target: Target
     store: Store | None

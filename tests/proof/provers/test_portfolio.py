@@ -183,7 +183,9 @@ def test_a_hanging_engine_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(module, "prove_one", hangs)
     monkeypatch.setattr(module, "GRACE_SECONDS", 0.2)
-    hard, easy = prove(system(counter()), [always("hard", SAME_LEVEL), always("easy", SAME_LEVEL)], Limits(seconds=0.06))
+    hard, easy = prove(
+        system(counter()), [always("hard", SAME_LEVEL), always("easy", SAME_LEVEL)], Limits(seconds=0.06)
+    )
     assert isinstance(hard.result, Unknown)
     assert hard.result.reason == "ended by the clock after 2.6 s"
     assert isinstance(easy.result, Unknown)

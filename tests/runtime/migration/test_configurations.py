@@ -64,6 +64,6 @@ def test_an_old_field_is_refused_with_the_new_one(tmp_path: Path) -> None:
     """Where a configuration is read."""
     path = tmp_path / "sections.toml"
     path.write_text("mute_limit_cycles = 7\n", encoding="utf-8")
-    message = r"mute_limit_cycles: .*; it is mute_ms now, a time instead of cycles \(safeloc migrate\)$"
+    message = r"mute_limit_cycles: .*; it is mute_ms now, a time instead of cycles \(safeloc migrate\) \(line 1\)$"
     with pytest.raises(InputError, match=message):
         read_config(ENTRIES["sections"].config, path)

@@ -78,5 +78,7 @@ def test_a_configuration(tmp_path: Path) -> None:
     made = migrated(tmp_path / "arbitration.toml", text)
     assert "max_cycle_distance_mm = 4_500 # of a cycle\n" == made.text
     assert ["max_step_mm = 4500 -> max_cycle_distance_mm = 4500 (line 1)"] == changed(made)
-    with pytest.raises(InputError, match=r"max_step_mm: .*; it is max_cycle_distance_mm now \(safeloc migrate\)$"):
+    with pytest.raises(
+        InputError, match=r"max_step_mm: .*; it is max_cycle_distance_mm now \(safeloc migrate\) \(line 1\)$"
+    ):
         read_config(ENTRIES["arbitration"].config, tmp_path / "arbitration.toml")
