@@ -117,7 +117,8 @@ class Controller:
 
         Optional inputs that are left out (or None) are absent. If a value has a wrong type or is out of range, it is refused
         with a reason, and no other value of the cycle is used: half a reading may mean something else.
-        InputError for a name that the machine does not have; the controller is then unchanged.
+        InputError for a name that the machine does not have; the controller is then unchanged. InputError, with what was refused, if the
+        controller has to halt (`halted`).
         """
         self.program.require_known(a_mapping("inputs", inputs))
         in_words("lost", lost)
@@ -245,7 +246,7 @@ class Controller:
         faults = (*faults, *incomplete)
         needed = self.program.missing(inputs)
         if needed:
-            return self._without(cycle, faults, f"input {needed[0]} is missing")
+            return self._without(cycle, faults, f"input {needed[0]} is missing{_first_refused(faults)}")
         row = self.program.row(inputs)
         after, fired = self.program.code.step(self._state, row)
         moves = self.program.moves(fired, self._state, after)
@@ -318,6 +319,13 @@ def _listed(records: Iterable[Record | Unusable]) -> list[Record | Unusable]:
         if type(record) not in KINDS:
             raise InputError(f"expected records (safeloc.runtime.streams.records), got {type(record).__name__}.")
     return taken
+
+
+def _first_refused(faults: tuple[Fault, ...]) -> str:
+    """Return in words what was refused first in a cycle; empty if nothing was delivered that could be refused."""
+    first = next((fault for fault in faults if fault.reason is not Reason.MISSING), None)
+    told = "" if first is None else ": ".join(filter(None, [first.reason.value, first.detail.rstrip(".")]))
+    return "" if first is None else f"; {first.channel} was refused: {told}"
 
 
 def _with_loss(faults: tuple[Fault, ...], lost: str) -> tuple[Fault, ...]:
