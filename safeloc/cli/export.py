@@ -97,7 +97,7 @@ def _write_file(content: bytes, where: Path) -> None:
     try:
         where.write_bytes(content)
     except OSError as error:
-        raise InputError(f"{where}: cannot be written: {error}") from error
+        raise InputError(f"{where}: cannot be written: {error.strerror or error}.") from error
 
 
 def _write_folder(files: Mapping[str, str], folder: Path) -> None:
@@ -107,7 +107,7 @@ def _write_folder(files: Mapping[str, str], folder: Path) -> None:
         for name, text in files.items():
             (folder / name).write_text(text, encoding="utf-8")
     except OSError as error:
-        raise InputError(f"{folder}: cannot be written: {error}") from error
+        raise InputError(f"{folder}: cannot be written: {error.strerror or error}.") from error
     err.print(f"{len(files)} files in {folder}", markup=False)
 
 

@@ -95,5 +95,5 @@ def _machine(target: str, where: Path, config: Path | None, of_lines: list[str],
     try:
         write_steps(where, steps, machine=loaded.name, first=first_values(steps))
     except OSError as error:
-        raise InputError(f"{where}: cannot be written: {error}") from error
+        raise InputError(f"{where}: cannot be written: {error.strerror or error}.") from error
     err.print(f"{len(steps)} steps: {where}{replaced}", markup=False)

@@ -28,7 +28,7 @@ def copied_to(folder: Path, places: Mapping[str, Path | None]) -> Callable[[], N
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_bytes((folder / name).read_bytes())
             except OSError as error:
-                raise InputError(f"{path}: cannot be written: {error}") from error
+                raise InputError(f"{path}: cannot be written: {error.strerror or error}.") from error
 
     return copy
 

@@ -27,7 +27,7 @@ def extract(folder: Path, to: Path) -> tuple[int, int]:
             (to / certificates.FOLDER / name).write_text(text, encoding="utf-8")
         return len(read.texts), _runs(folder, data, to / stored.TRACES)
     except OSError as error:
-        raise InputError(f"{to}: cannot be written to: {error}") from error
+        raise InputError(f"{to}: cannot be written to: {error.strerror or error}.") from error
 
 
 def _runs(folder: Path, data: stored.Data, to: Path) -> int:

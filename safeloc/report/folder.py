@@ -60,7 +60,7 @@ def usable(folder: Path) -> None:
         ):  # the folder itself is made with the report, not before a wrong name is told
             pass
     except OSError as error:
-        raise InputError(f"{folder}: the report cannot be written here: {error}") from error
+        raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error
 
 
 def write_folder(
@@ -120,7 +120,7 @@ def write_folder(
             on_written()
             return page
     except OSError as error:
-        raise InputError(f"{folder}: the report cannot be written here: {error}") from error
+        raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error
 
 
 def files_of(folder: Path) -> list[str]:
@@ -168,7 +168,7 @@ def render_folder(folder: Path, *, single: bool = False, since: Path | None = No
     except UndefinedError as error:
         raise InputError(f"{path}: does not fit schema {SCHEMA}: {error}") from error
     except OSError as error:
-        raise InputError(f"{folder}: the page cannot be written here: {error}") from error
+        raise InputError(f"{folder}: the page cannot be written here: {error.strerror or error}.") from error
 
 
 def _changed(old: Mapping[str, Any], new: Mapping[str, Any], folder: Path) -> dict[str, Any]:

@@ -39,7 +39,7 @@ def write_guard_folder(
         (folder / _JUDGEMENTS).write_text("".join(lines), encoding="utf-8")
         page.write_text(guard_page(judgements, tracks, config, stream), encoding="utf-8")
     except OSError as error:
-        raise InputError(f"{folder}: the report cannot be written here: {error}") from error
+        raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error
     return page
 
 
