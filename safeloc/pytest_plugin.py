@@ -146,8 +146,11 @@ class _Machine(pytest.Collector):
         from safeloc.proof.verification.calls import prove_target
 
         store = Store(usual_folder())
-        found = prove_target(self.target, only=names, limits=self._limits, jobs=self._option("jobs"), store=store)
-        return [one for one in found if one.kind in ("property", "obligation")] if names else found
+        jobs = self._option("jobs")
+        found = prove_target(
+            self.target, only=names, with_assumption=False, limits=self._limits, jobs=jobs, store=store
+        )
+        return [*(one for one in found if one.kind == "property"), *self._assumption] if names else found
 
     def _lemma(self, name: str) -> list[Finding]:
         return _of(self._lemmas, name)
@@ -170,6 +173,11 @@ class _Machine(pytest.Collector):
     def _obliged(self) -> list[Finding]:
         """The obligations that every machine has: ranges, overflow, transitions that occur, an assumption that can be kept."""
         return self._work.obliged(self._limits)
+
+    @cached_property
+    def _assumption(self) -> list[Finding]:
+        """The obligations of the assumption, which every proof needs."""
+        return self._work.assumption_kept(self._limits)
 
     @cached_property
     def _tested(self) -> list[Finding]:

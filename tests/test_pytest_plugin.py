@@ -90,6 +90,17 @@ def test_items_are_chosen_as_usual(project: Path) -> None:
     assert "1 passed, 6 deselected" in text
 
 
+def test_a_proof_under_laws_that_exclude_each_other_fails(project: Path) -> None:
+    """Also where it is asked alone: of such laws everything follows."""
+    text = LAMP.replace("import COUNT", "import COUNT\nfrom safeloc.language.world import World")
+    laws = 'outputs={}, world=World(clauses={"go": go, "stay": ~go}),'
+    (project / "src" / "lamp.py").write_text(text.replace("outputs={},", laws), encoding="utf-8")
+    code, told = ran(project, "-v", "-k", "proof and worn")
+    assert code == 1
+    assert "proof: worn FAILED" in told
+    assert "no run satisfies the assumption: every proof under it would be empty" in told
+
+
 def test_a_recording_that_breaks_a_claim_fails(project: Path) -> None:
     """Its message names the claim."""
     (project / "src" / "lamp-once.jsonl").write_text(RECORDING * 2, encoding="utf-8")

@@ -42,6 +42,7 @@ def prove_target(
     target: Target,
     *,
     only: Sequence[str] | None = None,
+    with_assumption: bool = True,
     limits: Limits = _LIMITS,
     jobs: int = 2,
     store: Store | None = None,
@@ -54,6 +55,7 @@ def prove_target(
     only    names of properties: only these are proved, and of the obligations those of the assumption, since without these a proof under
             it may be empty; lemmas and contracts alone, without any obligation, if no name is given. InputError for a name that the target
             does not have
+    with_assumption  of `only`: also the obligations of the assumption; False for one that asks them itself
     limits  bounds of the provers, for each property
     """
     properties, work = chosen_properties(target, only), Work(target, jobs, on_phase, on_finding)
@@ -68,7 +70,7 @@ def prove_target(
     if only is None:
         return Findings(keeping.found(every, "proved", limits, None))
     proved = keeping.found(chosen, "proved", limits, list(only))
-    kept = keeping.found(lambda: work.assumption_kept(limits), "assumption", limits) if only else []
+    kept = keeping.found(lambda: work.assumption_kept(limits), "assumption", limits) if only and with_assumption else []
     return Findings([*proved, *kept])
 
 
