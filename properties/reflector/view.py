@@ -147,10 +147,10 @@ def _sent_by_it(model: ReflectorMachine) -> Iterator[Property]:
 
 def _used(model: ReflectorMachine) -> Iterator[Property]:
     machine, own = model.machine, model.own
-    fits = any_of(slot.last_verdict.eq(FITS) | slot.last_verdict_for_next.eq(FITS) for slot in own.slots)
+    fits = [verdict.eq(FITS) for slot in own.slots for verdict in (slot.last_verdict, slot.last_verdict_for_next)]
     yield under_assumption(
         "an echo that fits is used",
-        (machine.flag("valid") & fits).implies(machine.flag("precise") | own.error.eq(MISMATCH)),
+        all_of((machine.flag("valid") & one).implies(machine.flag("precise") | own.error.eq(MISMATCH)) for one in fits),
         statement="an echo that fits gives the position, or fails the self-test",
     )
     yield under_assumption(

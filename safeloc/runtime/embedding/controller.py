@@ -324,8 +324,10 @@ def _listed(records: Iterable[Record | Unusable]) -> list[Record | Unusable]:
 def _first_refused(faults: tuple[Fault, ...]) -> str:
     """Return in words what was refused first in a cycle; empty if nothing was delivered that could be refused."""
     first = next((fault for fault in faults if fault.reason is not Reason.MISSING), None)
-    told = "" if first is None else ": ".join(filter(None, [first.reason.value, first.detail.rstrip(".")]))
-    return "" if first is None else f"; {first.channel} was refused: {told}"
+    if first is None:
+        return ""
+    told = first.detail.rstrip(".").removeprefix(f"{first.channel}: ") or first.reason.value
+    return f"; {first.channel} was refused: {told}"
 
 
 def _with_loss(faults: tuple[Fault, ...], lost: str) -> tuple[Fault, ...]:

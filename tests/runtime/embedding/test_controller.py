@@ -229,7 +229,10 @@ def test_truth_values_and_members_are_judged() -> None:
     ]
     with pytest.raises(InputError, match="input released is missing"):
         controller.step(said)
-    with pytest.raises(InputError, match=r"^door has halted: input released is missing\. Make a new controller\.$"):
+    why = r"released was refused: expected true or false, got 1\."
+    with pytest.raises(
+        InputError, match=rf"^door has halted: input released is missing; {why} Make a new controller\.$"
+    ):
         controller.step(said)
 
 

@@ -95,7 +95,7 @@ def test_what_was_refused_is_told_where_it_ends() -> None:
     """A value of a wrong kind is why an input is missing: the controller halts, and says which."""
     controller = Controller(load_target("axle_section"), period_ms=100)
     with pytest.raises(
-        InputError, match=r"axles_in_low is missing; head_fault was refused: .*expected true or false, got 1"
+        InputError, match=r"axles_in_low is missing; head_fault was refused: expected true or false, got 1"
     ):
         controller.step_inputs({"head_fault": 1})
     assert "head_fault was refused" in controller.halted
