@@ -130,3 +130,27 @@ def test_what_a_shipped_claim_assumes(call: Call) -> None:
     assert called.code == 0
     assert "safeloc list assumptions axle_head" in called.out
     assert "axle_head: " in called.out
+
+
+CONTRADICTING = """
+from safeloc.language.expr import boolean
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import never
+from safeloc.language.world import World
+
+OFF, ON = modes("OFF", "ON")
+go = boolean("go")
+machine = Machine(
+    "lamp", (OFF, ON), [go], {}, {}, [Transition("on", OFF, ON, go)], world=World(clauses={"go": go, "stay": ~go})
+)
+properties = [never("lit", machine.mode.eq(ON))]
+"""
+
+
+def test_a_proof_under_laws_that_exclude_each_other_is_told_as_empty(call: Call, tmp_path: Path) -> None:
+    """First of all, and with the exit code of what does not hold."""
+    (tmp_path / "lamp.py").write_text(CONTRADICTING, encoding="utf-8")
+    told = call("explain", f"{tmp_path}/lamp.py:machine", "lit")
+    assert 1 == told.code
+    first = told.out.index("The proof may be empty: its assumption\n  violated: the assumption can be satisfied")
+    assert first < told.out.index("What it says")
