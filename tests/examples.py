@@ -304,6 +304,49 @@ def alarm_chain() -> Example:
     return Example("alarm_chain", whole.system, (judge, brake), holds, never("brakes", is_braked), 3)
 
 
+def answered_alarm() -> Example:
+    """Two machines that hear each other: the first one hears a step late that the second one brakes, and how often it did."""
+    healthy, faulty = states = modes("HEALTHY", "FAULTY")
+    value, bad = number("value", COUNT, 0, 9), number("bad", COUNT, 0, 3)
+    heard, heard_times = boolean("heard"), number("heard_times", COUNT, 0, 5)
+    judge = Machine(
+        name="judge",
+        modes=states,
+        inputs=[value, heard, heard_times],
+        state={bad: 0},
+        outputs={"bad": bad},
+        transitions=[
+            Transition("third bad value", healthy, faulty, (value > 7) & (bad >= 2), {bad: 3}),
+            Transition("bad value", healthy, healthy, value > 7, {bad: bad + 1}, rank=1),
+            Transition("good value", healthy, healthy, value <= 7, {bad: 0}, rank=1),
+            Transition("answered", faulty, healthy, heard & heard_times.eq(2), {bad: 0}, rank=1),
+        ],
+    )
+    free, braked = actions = modes("FREE", "BRAKED")
+    count, times = number("count", COUNT, 0, 3), number("times", COUNT, 0, 3)
+    brake = Machine(
+        name="brake",
+        modes=actions,
+        inputs=[count],
+        state={times: 0},
+        outputs={"times": times},
+        transitions=[
+            Transition("brake", free, braked, count >= 3, {times: minimum(times + 1, as_num(3, COUNT))}),
+            Transition("release", braked, free, count < 3, rank=1),
+        ],
+    )
+    wires: dict[Var, Expr] = {
+        count: judge.output("bad"), heard: before(brake.mode).eq(braked), heard_times: before(times) + 1,
+    }  # fmt: skip
+    whole = compose("answered_alarm", [judge, brake], wires)
+    of_judge, of_brake = whole.of(judge), whole.of(brake)
+    answered, mode, number_ = of_judge.bool(judge.fired("answered")), of_brake.num(brake.mode), of_brake.num(times)
+    assert isinstance(mode, NumVar) and isinstance(number_, NumVar)
+    told = of_judge.bool(heard) & of_judge.num(heard_times).eq(before(number_) + 1)
+    holds = always("answered only by a brake", answered.implies(told & before(mode).eq(braked)))
+    return Example("answered_alarm", whole.system, (judge, brake), holds, never("answers", answered), 4)
+
+
 EXAMPLES = (
     odometer(),
     late_odometer(),
@@ -314,4 +357,5 @@ EXAMPLES = (
     latch(),
     priorities(),
     alarm_chain(),
+    answered_alarm(),
 )

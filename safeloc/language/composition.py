@@ -1,6 +1,7 @@
 """Synchronous composition: several machines take one step together, in declared order, wired output to input.
 
-A later machine reads the values that an earlier one computed in the same step, so a fault acts without delay.
+A later machine reads the values that an earlier one computed in the same step, so a fault acts without delay. An earlier one hears
+a later one in the next step: its wire reads the state before the step, with `was` and `before`.
 
 The composition assumes the assumption of each machine, unless the machine is named in `discharge`: then the assumption is
 proved from the machines before it, together with the lemmas (assume-guarantee, safeloc.proof.provers.inherited). A single
@@ -9,7 +10,7 @@ clause can be discharged as well; the other clauses of that machine are still as
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -95,13 +96,15 @@ def compose(
     """Combine several machines into one TransitionSystem.
 
     wires      an input variable of a later machine -> a term over the variables of EARLIER machines; a state variable in
-               it means the state after the step (so an output is written as `earlier.output("x")`)
+               it means the state after the step (so an output is written as `earlier.output("x")`). `was(flag)` and
+               `before(number)` mean the value before the step, of state of ANY machine: so a machine hears a later one, a step
+               late (in the first step: its first state)
     shared     input or ghost variables that several machines declare as the same Python object; they appear once
     discharge  machines whose assumption is proved from the machines before them instead of assumed; or single clauses
 
     Every variable is renamed "machine.variable", shared ones keep their name. Raises ModelError for every declaration that
     safeloc.language.checks.composition and safeloc.language.checks.system refuse, such as a wire to an unknown input, a wire
-    that reads a machine that is not earlier, and a wire that gives an on-board input the value of a ghost.
+    that reads a machine that is not earlier other than before the step, and a wire that gives an on-board input the value of a ghost.
     """
     given = Plan(name, machines, [lower(machine) for machine in machines], wires, shared, discharge, declared_at())
     plan = _change_of_plan.get()(given)
@@ -150,6 +153,10 @@ class _Merging:
 
     def __init__(self, plan: Plan) -> None:
         self._plan, self._shared = plan, frozenset(plan.shared)
+        self._names = {
+            machine: {var: self._named(machine, var) for var in (*system.state, *system.inputs)}
+            for machine, system in zip(plan.machines, plan.systems, strict=True)
+        }
         self._now: dict[Machine, Substitution] = {}
         self._in_a_state: dict[Var, Expr] = {}
         self._after: dict[Var, Expr] = {}
@@ -186,12 +193,25 @@ class _Merging:
         self._now[machine] = one.now
         self._system = self._merged(one)
 
+    def _named(self, machine: Machine, var: Var) -> Var:
+        return var if var in self._shared else _renamed(machine, var)
+
+    def _before(self, terms: Iterable[Expr]) -> dict[Var, Var]:
+        """Return, for each value before the step that the terms read, the state variable of the composition: of any machine."""
+        names = {var: named for of_one in self._names.values() for var, named in of_one.items()}
+        return {var: names[var.before] for var in variables(terms) if var.before is not None}
+
     def _member(self, machine: Machine, system: TransitionSystem) -> _Member:
         """Return the machine with its renamings; remember the values of its inputs and its terms about a state."""
-        wires, variables_of = self._plan.wires, (*system.state, *system.inputs)
-        names = {var: var if var in self._shared else _renamed(machine, var) for var in variables_of}
-        wired_now = {var: Substitution(self._in_a_state)(wires[var]) for var in system.inputs if var in wires}
-        wired = {var: Substitution(self._after)(wires[var]) for var in system.inputs if var in wires}
+        names, wires = (
+            self._names[machine],
+            {var: self._plan.wires[var] for var in system.inputs if var in self._plan.wires},
+        )
+        before = self._before(wires.values())
+        twins = {var: before_step(state) for var, state in before.items()}
+        in_a_state, after = Substitution({**self._in_a_state, **twins}), Substitution({**self._after, **before})
+        wired_now = {var: in_a_state(term) for var, term in wires.items()}
+        wired = {var: after(term) for var, term in wires.items()}
         self._in_a_state |= {**names, **wired_now}
         fired: dict[Var, Expr] = {machine.fired_name: _renamed(machine, machine.fired_name)}
         now, step = Substitution({**names, **fired, **wired_now}), Substitution({**names, **wired})

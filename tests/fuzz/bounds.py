@@ -16,7 +16,7 @@ def bounds(term: Term, ranges: Mapping[str, Range]) -> Range:
     match term:
         case ("lit" | "member", number):
             return number, number
-        case ("var", name):
+        case ("var" | "was", name):
             return ranges[name]
         case ("ite", _, left, right):
             (a, b), (c, d) = bounds(left, ranges), bounds(right, ranges)

@@ -22,9 +22,24 @@ def whole(draw: Draw) -> Whole:
     made = Whole("w", tuple(worlds), shared=frozenset(name for name, var in shared.items() if _twice(worlds, var)))
     for world in worlds[1:]:
         made = replace(made, wires={**made.wires, **_wires(draw, made, world)})
-    made = _with_roles(draw, made)
+    made = _late(draw, _with_roles(draw, made))
     told = _told_from_the_first_step_on(draw, made)
     return replace(told or made, discharge=(*_discharged(draw, told or made), *([told.worlds[1].name] if told else [])))
+
+
+def _late(draw: Draw, made: Whole) -> Whole:
+    """Perhaps a machine, most often the first one, hears the state of any machine before the step."""
+    inputs = [(world, var) for world in made.worlds for var in world.inputs if _free(made, world, var)]
+    if not inputs or not draw.sometimes(0.35):
+        return made
+    world, var = inputs[0] if draw.sometimes(0.7) else draw.rng.choice(inputs)
+    heard = [(one, kept) for one in made.worlds for kept in one.state if kept.kind == var.kind]
+    if not heard:
+        return made
+    of, kept = draw.rng.choice(heard[::-1])
+    before: Term = ("was", made.called(of, kept.name))
+    wire = clamped(var, before) if var.kind == "number" else before
+    return replace(made, wires={**made.wires, f"{world.name}.{var.name}": wire})
 
 
 def _told_from_the_first_step_on(draw: Draw, made: Whole) -> Whole | None:

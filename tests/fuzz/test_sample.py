@@ -6,13 +6,17 @@ The long run is `make test-long TOPIC=fuzz`. What it samples is counted, so that
 from __future__ import annotations
 
 from collections.abc import Iterable
+from random import Random
 
 import pytest
 
 from safeloc.proof.provers.limits import Limits
 from tests.fuzz.cases import KINDS, Plan
+from tests.fuzz.draw import Draw
+from tests.fuzz.draw_whole import whole
 from tests.fuzz.expect import NOW, OPEN
 from tests.fuzz.tally import TRAPS, Tally, total
+from tests.fuzz.terms import below
 
 LIGHT = Plan(
     TRAPS - OPEN,
@@ -70,3 +74,11 @@ def test_back_ends_agree(block: int) -> None:
 def test_the_same_number_is_the_same_case() -> None:
     """A case is made again from its seed and number: what was found once can be looked at."""
     assert total([sampled("machine", [3])]).compared == sampled("machine", [3]).compared
+
+
+def test_machines_are_drawn_that_hear_later_ones() -> None:
+    """Of sixty compositions several have a wire that tells the state of a later machine before the step."""
+    drawn = [whole(Draw(Random(f"late {number}"))) for number in range(60)]
+    late = [name for made in drawn for name, term in made.wires.items() if any(one[0] == "was" for one in below(term))]
+    assert len(late) >= 6
+    assert sum(name.startswith("A.") for name in late) >= 3

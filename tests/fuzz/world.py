@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-from tests.fuzz.terms import TRUE, Term, every, fast, reads, rewritten
+from tests.fuzz.terms import TRUE, Term, every, fast, reads, rewritten, was
 
 Kind = Literal["number", "truth", "colour"]
 State = dict[str, int]
@@ -193,7 +193,7 @@ def product(inputs: tuple[Var, ...]) -> list[State]:
 class Whole:
     """Several machines in order.
 
-    wires      "machine.input" -> term over the names of earlier machines
+    wires      "machine.input" -> term over the names of earlier machines, and over the state of all before the step
     shared     names of variables that several machines have as one
     discharge  names of machines that assume nothing of the whole, or (machine, clause)
     """
@@ -300,7 +300,7 @@ class Whole:
 
     def _heard(self, known: Mapping[str, int]) -> Iterator[tuple[World, State, State, State]]:
         """Of each machine in order: what it reads, its state after, and what fired."""
-        after: State = {}
+        after: State = {was(name): known[name] for name in self.state_names}
         for world in self.worlds:
             local = self._local(world, known, after)
             moved, fired = world.moved(local)

@@ -9,11 +9,15 @@ import pytest
 
 from safeloc.errors import ModelError
 from safeloc.language.composition import compose
-from safeloc.language.expr import Expr, NumVar, Var, boolean, number, optional
+from safeloc.language.expr import Expr, NumVar, Var, before, boolean, number, optional
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.spec import always
 from safeloc.language.units import MM, MS
+from safeloc.language.verdict import Proved, Violated
 from safeloc.language.world import World
+from safeloc.proof.provers.limits import Limits
+from safeloc.proof.provers.portfolio import prove
 
 IDLE, BUSY = modes("IDLE", "BUSY")
 
@@ -77,6 +81,53 @@ def test_a_wired_input_is_read_in_a_property() -> None:
     assert both.of(pair.alarm)(pair.level) is both.system.variable("counter.sum")
 
 
+def test_an_earlier_machine_hears_a_later_one_a_step_late() -> None:
+    """The alarm rings in the step after the one in which the sum passes the level; at first it hears the first state."""
+    pair = Pair()
+    whole = compose("both", (pair.alarm, pair.counter), {pair.level: before(pair.sum)}).system
+    calm = {"alarm.t": 0, "alarm.quiet": False}
+    trace = run(whole, [{"counter.step": 10, **calm}, {"counter.step": 6, **calm}, {"counter.step": 0, **calm}])
+    assert [step.fired["alarm.fired"] for step in trace.steps] == ["(stay)", "(stay)", "ring"]
+    assert "alarm.level" not in {var.name for var in whole.inputs}
+
+
+def test_of_an_earlier_machine_too_the_value_before_the_step_can_be_heard() -> None:
+    """With `before` the alarm behind the counter rings a step late as well."""
+    pair = Pair()
+    whole = compose("both", (pair.counter, pair.alarm), {pair.level: before(pair.sum)}).system
+    calm = {"alarm.t": 0, "alarm.quiet": False}
+    trace = run(whole, [{"counter.step": 10, **calm}, {"counter.step": 6, **calm}, {"counter.step": 0, **calm}])
+    assert [step.fired["alarm.fired"] for step in trace.steps] == ["(stay)", "(stay)", "ring"]
+
+
+def test_a_claim_reads_what_a_late_wire_tells() -> None:
+    """`of` turns the input into the value before the step: a claim of the value after it is refused."""
+    pair = Pair()
+    both = compose("both", (pair.alarm, pair.counter), {pair.level: before(pair.sum)})
+    heard, total = both.of(pair.alarm).num(pair.level), both.of(pair.counter).num(pair.sum)
+    assert isinstance(total, NumVar) and isinstance(heard, NumVar)
+    assert heard.before is total
+    late, at_once = (always(name, heard.eq(term)) for name, term in (("late", before(total)), ("at once", total)))
+    found = {one.id: one.result for one in prove(both.system, [late, at_once], Limits(seconds=10))}
+    assert isinstance(found["both/property/late"], Proved)
+    assert isinstance(found["both/property/at once"], Violated)
+
+
+def test_a_ghost_before_the_step_is_no_word_for_the_board() -> None:
+    """A late wire to an on-board input reads no ghost either; one to a ghost input may."""
+    push = number("told", MM, 0, 99)
+    heard = walker("left")
+    board = Machine("board", (IDLE, BUSY), [push], {}, {}, [Transition("go", IDLE, BUSY, push > 3)])
+    with pytest.raises(ModelError) as caught:
+        compose("both", [board, heard], {push: before(TRUTH)})
+    assert without_place(caught.value) == (
+        "composition 'both': the wire to 'told', an on-board input, reads the ghost 'before.truth'; let it read on-board variables only."
+    )
+    follows = Machine("follows", modes("ONLY"), [], {}, {}, [], world=World({}, [push], {}))
+    whole = compose("both", [follows, heard], {push: before(TRUTH)})
+    assert "follows.told" not in {var.name for var in whole.system.inputs}
+
+
 def test_a_shared_input_is_kept_once() -> None:
     """A variable that both declare as the same object is one input, under its own name."""
     pair = Pair()
@@ -119,7 +170,12 @@ WRONG: dict[str, tuple[Callable[[Pair], dict[Var, Expr]], str]] = {
     "reads itself": (
         lambda pair: {pair.quiet: pair.level > 3},
         "composition 'both': the wire to 'quiet' reads ['level'], which no earlier machine has; a wire reads machines "
-        "listed before.",
+        "listed before, or the state of any machine before the step, by was() and before().",
+    ),
+    "input before the step": (
+        lambda pair: {pair.quiet: before(pair.step) > 3},
+        "composition 'both': the wire to 'quiet' reads ['before.step']; before() and was() are for state variables that one of "
+        "['counter', 'alarm'] has.",
     ),
 }
 

@@ -62,12 +62,14 @@ def _wired(plan: Plan, right: Plan, wrong: Mapping[Var, Expr], late: Sequence[Va
     """Return the plan with the wrong and the late wires, in its own variables, if it is that of the composition; otherwise the plan itself."""
     if plan.name != right.name or _names(plan.machines) != _names(right.machines):
         return plan
-    into = Substitution(
-        {
-            var: twin
-            for one, other in zip(right.systems, plan.systems, strict=True)
-            for var, twin in zip(_variables(one), _variables(other), strict=True)
-        }
+    into = _Renaming(
+        Substitution(
+            {
+                var: twin
+                for one, other in zip(right.systems, plan.systems, strict=True)
+                for var, twin in zip(_variables(one), _variables(other), strict=True)
+            }
+        )
     )
     changed = {_var(into(var)): into(term) for var, term in wrong.items()}
     rewired = replace(plan, wires={**plan.wires, **changed})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -123,9 +124,11 @@ def _role(var: Var, system: TransitionSystem) -> str:
 def _wires_read_no_ghosts(plan: Plan) -> Iterator[str]:
     """A wire to an on-board input reads on-board variables only."""
     ghosts: set[Var] = set()
+    later = {var for system in plan.systems for var in system.ghosts}
     for system in plan.systems:
         for var in system.inputs:
-            read = [one.name for one in variables([plan.wires[var]]) if one in ghosts] if var in plan.wires else []
+            on_wire = variables([plan.wires[var]]) if var in plan.wires else []
+            read = [one.name for one in on_wire if one in ghosts or one.before in later]
             if read and var not in system.ghosts:
                 yield (
                     f"the wire to {var.name!r}, an on-board input, reads the ghost {', '.join(map(repr, read))}; let it read "
@@ -172,15 +175,32 @@ def _wires_read_earlier_machines(plan: Plan) -> Iterator[str]:
 
 
 def _wire_reads(var: Var, term: Expr, earlier: set[Var], twice: set[Var]) -> Iterator[str]:
-    late = [read.name for read in variables([term]) if read not in earlier]
+    now = [read for read in variables([term]) if read.before is None]
+    late = [read.name for read in now if read not in earlier]
     if late:
-        yield f"the wire to {var.name!r} reads {late}, which no earlier machine has; a wire reads machines listed before."
-    unclear = [read.name for read in variables([term]) if read in twice]
+        yield (
+            f"the wire to {var.name!r} reads {late}, which no earlier machine has; a wire reads machines listed before, or the state "
+            "of any machine before the step, by was() and before()."
+        )
+    unclear = [read.name for read in now if read in twice]
     if unclear:
         yield (
             f"the wire to {var.name!r} reads {unclear}, which several earlier machines have; give each machine a variable "
             "of its own."
         )
+
+
+def _values_before_are_state(plan: Plan) -> Iterator[str]:
+    """A value before the step is that of a state variable of one machine."""
+    states = [var for system in plan.systems for var in system.state]
+    once = {var for var, number in Counter(states).items() if number == 1 or var in set(plan.shared)}
+    for var, term in plan.wires.items():
+        unknown = [one.name for one in variables([term]) if one.before is not None and one.before not in once]
+        if unknown:
+            yield (
+                f"the wire to {var.name!r} reads {unknown}; before() and was() are for state variables that one of "
+                f"{[machine.name for machine in plan.machines]} has."
+            )
 
 
 def _discharged_is_assumed(plan: Plan) -> Iterator[str]:
@@ -204,6 +224,7 @@ JOINING: tuple[Rule[Plan], ...] = (
     Rule("wires fit", "a crash", _wires_fit),
     Rule("wires read no ghosts", "a wrong verdict", _wires_read_no_ghosts),
     Rule("wires read earlier machines", "a crash", _wires_read_earlier_machines),
+    Rule("values before the step are state", "a crash", _values_before_are_state),
     Rule("wires lead to inputs", "a slip", _wires_lead_to_inputs),
     Rule("joined names are distinct", "a wrong verdict", _joined_names_are_distinct),
     Rule("discharged clauses exist", "a slip", _discharged_is_assumed),
