@@ -279,6 +279,7 @@ NO_ROW_SETS_IT = {
     "models/verification/doubted.py": "moves of ghosts",
     "models/localizer/sources.py": "wires",
     "models/reflector_device/anchored.py": "wires",
+    "models/reflector_device/branches.py": "wires",
     "models/localizer_sections/__init__.py": "wires",
     "models/localizer_track/__init__.py": "wires",
 }

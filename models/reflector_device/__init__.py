@@ -1,4 +1,4 @@
-"""The reflector device as one: odometer, balise reader, direction, radar, restrictive state, stop at a platform (RFL-1, -5, -9, -D5, -D7).
+"""The reflector device as one: odometer, balise reader, direction, radar, course, route, restrictive state, stop (RFL-1, -5, -9, -12, -D5 to -D7).
 
     motion       the odometer that all machines share, and the true movement
     balise       judges every telegram by linking and expectation window
@@ -6,19 +6,25 @@
     travel_direction  finds the direction of travel from the models of the reflectors before and after an accepted group
     reflector    anchored by what the balise machine accepted, with that machine's interval; measures reflectors from there
     turn_off     sees by the reflector behind a switch whether the vehicle turns off
-    delocalized  passes the position on, or makes the vehicle restrictive
+    radar        tells which echo of the frame is a sighting
+    starts       no machine on board: the routes that begin at a group
+    route        carries the routes on which the vehicle may be, at most four, each with its interval
+    delocalized  passes the position on while a route is carried, or makes the vehicle restrictive
     stop_point   orders brake and hold at a platform, by the interval that was passed on
 
 All act in one step. A telegram that the balise machine rejects is no reading for the reflector machine. That an accepted one
 holds the front end is not assumed: the containment of the balise machine proves it. Where groups contradict the position, the
-reflector machine, which began from the same groups, withdraws it as well. Where the vehicle takes another course than it is
-permitted to, the host gets no position, in the same step. The order to brake counts from the max safe front end
+reflector machine, which began from the same groups, withdraws it as well. The order to brake counts from the max safe front end
 of the interval that the host gets.
 
 The comparison of measurement and map is one of distance and of direction (source l. 285 to 295). Where the direction is another one than route
 and movement authority give, it has failed, as where groups contradict: the reflector machine withdraws the position in that step. A group counts
 for the direction only if the balise machine accepted it. Places grow in the direction of travel, so the vehicle turned where it is measured behind
 the farthest place that it reached, or where no distance is measured: then the reflectors that it passed no longer count.
+
+Behind a switch the position is known only together with the branch (source l. 281 to 304). Where no route is left, or the vehicle takes another
+course or route than it is permitted to, the host gets no position in the same step; the reflector machine hears it in the next, and withdraws the
+position that it had, so that none comes back but from another group.
 """
 
 from __future__ import annotations
@@ -26,22 +32,34 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Bool, Expr, Var, ite
+from safeloc.language.expr import Bool, Expr, Var, any_of
 from safeloc.language.machine import Machine
 from safeloc.models import balise, delocalized, reflector, stop_point, travel_direction, turn_off
+from safeloc.models.localizer.sources import law_of_motion
 from safeloc.models.motion import Motion
 from safeloc.models.reflector_device.anchored import Anchored, anchored, judged_by
+from safeloc.models.reflector_device.branches import (
+    branch,
+    branch_wires,
+    contradicted_before,
+    passed_on,
+    why_not,
+)
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.line import Line
+from safeloc.models.reflector_device.radar import Radar, radar
+from safeloc.models.reflector_device.starts import Starts, starts
+from safeloc.models.route import Route
+from safeloc.models.route.world import AT_THE_START, ODOMETER
 from safeloc.models.stop_point import StopPoint
 from safeloc.models.stop_point.variables import parts as stop_parts
 from safeloc.models.stop_point.world import REPORTED
 from safeloc.models.travel_direction import TravelDirection
 from safeloc.models.turn_off import TurnOff
+from safeloc.models.turn_off.seen_course import TAKEN
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.measured import ADMITTED
-from safeloc.models.vocabulary.reasons import CONTRADICTION
 
 __all__ = ["ReflectorDevice", "ReflectorDeviceConfig", "compose_machines"]
 NAME = "reflector_device"
@@ -59,6 +77,9 @@ class ReflectorDevice:
     direction: TravelDirection
     source: reflector.ReflectorMachine
     course: TurnOff
+    radar: Radar
+    starts: Starts
+    route: Route
     restrictive: Machine
     stop: StopPoint
 
@@ -70,6 +91,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     moves, map_, source = located.motion, located.line, located.source
     direction = travel_direction.build(travel_direction.parts())
     course = turn_off.build(turn_off.parts(config.turn_off))
+    frame, ways, carried = radar(config, source.own), starts(config), branch(config, moves)
     behind = delocalized.parts(config.host)
     restrictive = delocalized.build(behind)
     stop = stop_point.build(stop_parts(config.stop))
@@ -77,26 +99,36 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         **located.wires,
         direction.own.balise_read: located.accepted,
         direction.own.backwards: _turned(located.groups),
-        source.own.contradicted: located.contradicted | direction.machine.flag("contradicts"),
+        source.own.contradicted: any_of([
+            direction.machine.flag("contradicts"), located.disproved, contradicted_before(located, course, carried),
+        ]),
         **_into_course(map_, source, course),
-        **_into_host(located, course, behind),
+        **branch_wires(located, frame, ways, course, carried),
+        **_into_host(located, course, carried, behind),
         **_into_stop(restrictive, source, stop),
         stop.own.next_truth: moves.own.ghosts.truth,
-    }
+    }  # fmt: skip
     whole = compose(
         NAME,
         [
-            *located.before_the_reflectors, direction.machine, source.machine, course.machine, restrictive, stop.machine,
+            *located.before_the_reflectors, direction.machine, source.machine, course.machine, frame.machine, ways.machine,
+            carried.machine,
+            restrictive, stop.machine,
         ],
         wires,
         shared=moves.shared,
         discharge=[
             *located.discharged,
-            Clause(course.machine, GIVEN), restrictive,
+            Clause(course.machine, GIVEN),
+            Clause(carried.machine, AT_THE_START), Clause(carried.machine, TAKEN),
+            *law_of_motion(Clause(carried.machine, ODOMETER), moves),
+            restrictive,
             Clause(stop.machine, REPORTED),
         ],
     )  # fmt: skip
-    return ReflectorDevice(config, whole, moves, located.groups, map_, direction, source, course, restrictive, stop)
+    return ReflectorDevice(
+        config, whole, moves, located.groups, map_, direction, source, course, frame, ways, carried, restrictive, stop
+    )
 
 
 def _turned(groups: balise.Balise) -> Bool:
@@ -105,13 +137,13 @@ def _turned(groups: balise.Balise) -> Bool:
     return heading.backwards | (heading.rolled > 0) | groups.machine.output("odometer").ne(ADMITTED)
 
 
-def _into_host(located: Anchored, course: TurnOff, behind: delocalized.Parts) -> dict[Var, Expr]:
-    """Return the wires of the restrictive state: as of reflectors alone, and a course that is not permitted begins it."""
-    stated, astray = located.measuring.stated, course.machine.flag("contradicts")
+def _into_host(located: Anchored, course: TurnOff, carried: Route, behind: delocalized.Parts) -> dict[Var, Expr]:
+    """Return the wires of the restrictive state: as of reflectors alone, while a route is carried, and course and route are the permitted ones."""
+    stated = located.measuring.stated
     return {
         **located.into_host(behind),
-        behind.valid: stated.valid & ~astray,
-        behind.source_reason: ite(astray, CONTRADICTION, stated.reason),
+        behind.valid: passed_on(located, course, carried),
+        behind.source_reason: why_not(course, carried, stated.reason),
     }
 
 

@@ -1,4 +1,4 @@
-"""Reflectors that are anchored by groups of balises, in wires: what devices with a reflector machine behind a balise machine share.
+"""Reflectors that are anchored by groups of balises, in wires.
 
 motion       the odometer that all machines share, and the true movement
 balise       judges every telegram by linking and expectation window
@@ -31,7 +31,7 @@ class Anchored:
     """The four machines, their wires, and the clauses that machines before discharge.
 
     measuring  the reflector machine as a source, with its statement
-    wires      of balise, line and reflector machine
+    wires      of balise, line and reflector machine, but for what contradicts the reflector machine's position
     """
 
     motion: Motion
@@ -53,9 +53,9 @@ class Anchored:
         return [self.motion.machine, self.groups.machine, self.line.machine]
 
     @property
-    def contradicted(self) -> Bool:
-        """The route is contradicted, or groups contradict the balise machine's position."""
-        return self.line.contradicted | _disproved(self.groups)
+    def disproved(self) -> Bool:
+        """The balise machine withholds its position because groups contradict it: what was anchored by it is withdrawn too."""
+        return self.groups.machine.output("reason").eq(CONTRADICTION)
 
     def into_host(self, behind: delocalized.Parts) -> dict[Var, Expr]:
         """Return the wires of the restrictive state: an accepted group and a recognised reflector end it."""
@@ -86,11 +86,8 @@ def anchored(config: AnchoredConfig) -> Anchored:
         **_distances(groups, map_, source),
     }
     of_readings = (Clause(source.machine, READING), Clause(source.machine, PRESCRIBED))
-    made = Anchored(
-        moves, groups, map_, source, measuring, wires, (*reading.discharged, *measuring.discharged, *of_readings)
-    )
-    wires[source.own.contradicted] = made.contradicted
-    return made
+    discharged = (*reading.discharged, *measuring.discharged, *of_readings)
+    return Anchored(moves, groups, map_, source, measuring, wires, discharged)
 
 
 def _counts(groups: balise.Balise) -> Bool:
@@ -125,11 +122,6 @@ def _distances(groups: balise.Balise, map_: Line, source: reflector.ReflectorMac
         ahead.position.value: map_.position.value,
         ahead.position.present: map_.position.present,
     }
-
-
-def _disproved(groups: balise.Balise) -> Bool:
-    """Return whether the balise machine withholds its position because groups contradict it: what was anchored by it is withdrawn too."""
-    return groups.machine.output("reason").eq(CONTRADICTION)
 
 
 def judged_by(machine: Machine, course: TurnOff, switch: Optional) -> dict[Var, Expr]:

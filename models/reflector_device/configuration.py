@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 from pydantic import model_validator
 
-from safeloc.config import Config
+from safeloc.config import Config, quantity
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.localizer.configuration import LocalizerConfig
 from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.route.variables import RouteConfig
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.models.turn_off import TurnOffConfig
 
 LARGEST_ACCURACY_MM = 100_000
 """The reflector machine takes no reading that is less accurate."""
+MOST_ROUTES = 4
+"""The most routes that are carried beside each other."""
 
 
 class AnchoredConfig(Config):
@@ -69,21 +74,64 @@ class AnchoredConfig(Config):
 
 
 class ReflectorDeviceConfig(AnchoredConfig):
-    """The vehicle with its course at switches and the stop at a platform."""
+    """The vehicle with its course at switches, the routes on which it may be, and the stop at a platform."""
 
     turn_off: TurnOffConfig = TurnOffConfig()
+    route: RouteConfig = RouteConfig(routes=MOST_ROUTES, start_error_mm=20_000)
     stop: StopPointConfig = StopPointConfig()
+    sighting_error_mm: int = quantity(
+        10_000, "mm", 0, 50_000, "[D] beyond an echo's own error: the radar's systematic error, 2.3 m run in its latency, survey"
+    )  # fmt: skip
+    own_track_range_mm: int = quantity(
+        20_000, "mm", 0, 300_000, "[D] as near as that a curve of 300 m moves an image by 0.7 m; 0: no echo is told to be by the own track"
+    )  # fmt: skip
+    own_track_right_mm: int = quantity(
+        -4_000, "mm", -50_000, 50_000, "[D] reflectors stand 2.5 m to the right of the axis, less curve and radar; left is positive"
+    )  # fmt: skip
+    own_track_left_mm: int = quantity(
+        -1_000, "mm", -50_000, 50_000, "[D] as own_track_right_mm; those of a track 4 m away stand beyond, on either side"
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _one_vehicle(self) -> ReflectorDeviceConfig:
-        moves = self.vehicle.motion
-        line = {"position_limit_mm": moves.position_limit_mm}
-        wanted = line | {"max_speed_mm_s": moves.max_speed_mm_s, "tolerance_mm": self.reflector.tolerance_mm}
-        for name, config, figures in (("turn_off", self.turn_off, line), ("stop", self.stop, wanted)):
+        for name, config, figures in self._shared_figures():
             for figure, value in figures.items():
                 if getattr(config, figure) != value:
                     raise ValueError(
                         f"{name}.{figure} is {getattr(config, figure)}, but the vehicle's is {value} (motion, reflector); make "
                         "them the same."
                     )
+        return self
+
+    def _shared_figures(self) -> Iterator[tuple[str, Config, Mapping[str, object]]]:
+        """Yield, for each machine, the figures in which it has to be of the one vehicle."""
+        moves = self.vehicle.motion
+        line, tolerance = {"position_limit_mm": moves.position_limit_mm}, {"tolerance_mm": self.reflector.tolerance_mm}
+        yield "turn_off", self.turn_off, line
+        yield "stop", self.stop, {**line, **tolerance, "max_speed_mm_s": moves.max_speed_mm_s}
+        physics = (
+            "period_ms", "max_speed_mm_s", "max_acceleration_mm_s2", "measuring_step_mm", "gap_limit_cycles",
+        )  # fmt: skip
+        own = {"odometer": moves.reported_law, "checked_distance": moves.check is not None}
+        yield "route", self.route, {**own, **tolerance, **{figure: getattr(moves, figure) for figure in physics}}
+
+    @model_validator(mode="after")
+    def _carried(self) -> ReflectorDeviceConfig:
+        own = self.route
+        if own.routes > MOST_ROUTES:
+            raise ValueError(f"route.routes is {own.routes}: no more than {MOST_ROUTES} are carried; lower it.")
+        if own.range_limit_mm < self.reflector.range_limit_mm:
+            raise ValueError(
+                f"route.range_limit_mm {own.range_limit_mm} is below reflector.range_limit_mm {self.reflector.range_limit_mm}: "
+                "an echo from farther away would be no sighting; raise it."
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _own_side(self) -> ReflectorDeviceConfig:
+        if self.own_track_right_mm > self.own_track_left_mm:
+            raise ValueError(
+                f"own_track_right_mm {self.own_track_right_mm} is to the left of own_track_left_mm {self.own_track_left_mm}: no image would "
+                "stand by the own track; exchange them, or set own_track_range_mm to 0."
+            )
         return self

@@ -6,7 +6,8 @@ from safeloc.config import Configurations
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.motion import MotionConfig
 from safeloc.models.reflector.variables import ReflectorConfig
-from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.reflector_device.configuration import MOST_ROUTES, ReflectorDeviceConfig
+from safeloc.models.route.variables import RouteConfig
 from safeloc.models.vocabulary.error_law import RADAR, ErrorLaw
 
 ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=200, knee_mm_s=2_000)
@@ -25,6 +26,17 @@ NEVER = {
     "properties/reflector_device.py: _in_source_num(whole, given.since.value).eq(0) from maker(whole)": "the wire is 0, as it should be; the claim is there for another one",
 }
 """Case splits that no configuration makes live, and why."""
+
+
+def _route(motion: MotionConfig) -> RouteConfig:
+    return RouteConfig(
+        routes=MOST_ROUTES,
+        start_error_mm=20_000,
+        odometer=motion.reported_law,
+        checked_distance=motion.check is not None,
+    )
+
+
 CONFIGURATIONS = Configurations(
     {
         "the first group is believed, and a second unit checks an odometer that errs at standstill": ReflectorDeviceConfig(
@@ -38,11 +50,13 @@ CONFIGURATIONS = Configurations(
             reflector=ReflectorConfig(
                 odometer=_CHECKED_ERRING.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
             ),
+            route=_route(_CHECKED_ERRING),
         ),
         "the first group is believed, the odometer errs at standstill, the radar is behind the front end": ReflectorDeviceConfig(
             motion=MotionConfig(odometer=ERRING),
             balise=BaliseConfig(odometer=ERRING, trust_first_group=True),
             reflector=ReflectorConfig(odometer=ERRING, radar_offset_mm=2_500, last_balise_identity=_IDENTITIES),
+            route=_route(MotionConfig(odometer=ERRING)),
         ),
     },
     NEVER,

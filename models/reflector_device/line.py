@@ -1,6 +1,6 @@
 """The line of a reflector device: the map's next reflector, and what telegram and map say of its distance from the group that is read.
 
-The machine computes nothing. It has the inputs of map and route, and the law on them. Of the group it reads the place that the balise
+The machine computes nothing. It has the map's inputs, and the law on them. Of the group it reads the place that the balise
 machine keeps: a claim of that machine shows that it keeps places as telegram and linking gave them.
 """
 
@@ -12,7 +12,6 @@ from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     TRUE,
     Bool,
-    BoolVar,
     Expr,
     Num,
     NumVar,
@@ -20,7 +19,6 @@ from safeloc.language.expr import (
     Var,
     all_of,
     between,
-    boolean,
     number,
     optional,
 )
@@ -43,7 +41,6 @@ class Line:
     position   the map's next reflector
     reference  its distance from its group by the map; present for the first reflector behind a group
     switch_position, switch_reflector  the map's next facing switch, and the reflector behind the switch that is watched
-    contradicted  the route machine found the route contradicted
     read       the telegram as the antenna read it
     kept       the group that set the balise machine's interval last, and its place on the map, mm
     """
@@ -53,7 +50,6 @@ class Line:
     reference: Optional
     switch_position: Optional
     switch_reflector: Optional
-    contradicted: BoolVar
     read: Telegram
     kept: tuple[NumVar, NumVar]
 
@@ -73,7 +69,6 @@ def line(config: AnchoredConfig) -> Line:
     reference = declared.sensor(optional("next_reference_mm", MM, 0, reach))
     switch = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
     behind = declared.sensor(optional("switch_reflector_mm", MM, -limit, limit))
-    contradicted = declared.sensor(boolean("route_contradicted"))
     read = telegram(
         declared,
         last_identity=of_groups.last_group_identity,
@@ -94,7 +89,7 @@ def line(config: AnchoredConfig) -> Line:
         world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),
         doc="The map's next reflector. Assumed: telegram and map give one place of it.",
     )
-    return Line(made, position, reference, switch, behind, contradicted, read, kept)
+    return Line(made, position, reference, switch, behind, read, kept)
 
 
 def _survey(

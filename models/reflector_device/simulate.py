@@ -7,7 +7,7 @@ the whole device running. `python -m safeloc.models.reflector_device.simulate` w
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -27,7 +27,9 @@ from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector_device import NAME, compose_machines
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.met_models import met_models
+from safeloc.models.reflector_device.route_map import RouteMap, Routes, every_group_a_start
 from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
+from safeloc.models.turn_off import COURSE
 from safeloc.models.turn_off.simulate import SwitchAhead, shift_mm
 from safeloc.proof.drawn_runs.worked import WorkedRun, write_runs
 from safeloc.runtime.streams.steps import Cell
@@ -36,11 +38,14 @@ from safeloc.simulation.motion import Motion
 
 Steps = list[dict[str, Cell]]
 FOLDER, SEED = Path(__file__).with_name("recordings"), 7
-_OF_THE_MAP = ("next_position_mm", "next_reference_mm", "route_contradicted")
-_NOISE_MM = 100
+_OF_THE_MAP = ("next_position_mm", "next_reference_mm")
 """Inputs of the reflector machine that are inputs of the line here."""
+_NOISE_MM = 100
 _OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_cycle_distance_nm", "truth_mm")
 """Names of the balise machine's own steps that the vehicle gives here."""
+
+
+_STRAIGHT, _LEFT, _RIGHTLY_MAPPED = 1, 2, 3
 
 
 @dataclass(frozen=True)
@@ -52,10 +57,10 @@ class Scene:
     groups        balise groups, on the map and on the track
     radar         reflectors, and disturbances of the radar
     at_groups     faults of groups, by identity; `odometer`: faults of the odometer `wheel`, in cycles
-    contradicted  cycles in which the route machine says that the route is contradicted
     switch        a facing switch on the way; map and movement authority name the course `authorised` there
     along         the line counts in the direction of the run, which is the permitted one; else the vehicle runs against it
     stops         stop points of a platform; the mission selects the first one, and leaves it in the last cycle
+    routes        the routes of the map; without any, one begins at each group, and has all reflectors
     """
 
     moves: Sequence[tuple[int, int, int, float]]
@@ -63,11 +68,11 @@ class Scene:
     radar: RadarScene
     at_groups: Sequence[Fault] = ()
     odometer: Sequence[Fault] = ()
-    contradicted: range = field(default=range(0))
     switch: SwitchAhead | None = None
     authorised: str = "UNDECIDED"
     along: bool = True
     stops: tuple[StopPlace, ...] = ()
+    routes: Routes | None = None
     says: str = ""
 
 
@@ -116,7 +121,7 @@ SCENES: Mapping[str, Scene] = {
         stops=(StopPlace(350_000, 10_000, 10_000),),
         says="A stop on the measured distance: the vehicle runs over, repositions backwards, and stands in place.",
     ),
-    "turn-off": Scene(
+    "astray": Scene(
         [(450_000, 15_000, 700, 2.0)],
         GROUPS,
         RadarScene(LINE, pauses=0, dropout=0),
@@ -124,6 +129,42 @@ SCENES: Mapping[str, Scene] = {
         authorised="STRAIGHT",
         says="The vehicle turns off to the left where it is permitted to run straight on. The image of reflector A, behind the switch, moves "
         "to the right, and the host gets no position from the cycle in which that is seen.",
+    ),
+    "turn-off": Scene(
+        [(450_000, 20_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        switch=SwitchAhead(330_000, "LEFT", 380_000),
+        authorised="LEFT",
+        routes=Routes(
+            {102: (_STRAIGHT, _LEFT)},
+            {_STRAIGHT: {"A": 380_000}, _LEFT: {"A": 380_000, "B": 700_000}},
+            courses={_STRAIGHT: "STRAIGHT", _LEFT: "LEFT"},
+        ),
+        says="Two routes begin at the second group, and both have a reflector A behind the switch: its sighting decides nothing. The image of A moves to the "
+        "right, so the vehicle turned off to the left: from that cycle on this branch is told. The host keeps its position.",
+    ),
+    "undecided": Scene(
+        [(650_000, 20_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        routes=Routes(
+            {102: (_STRAIGHT, _LEFT)},
+            {_STRAIGHT: {"A": 380_000, "C": 700_000}, _LEFT: {"A": 380_000, "B": 700_000}},
+        ),
+        says="The same switch, of which no turn is seen: both branches are carried over it, and the host keeps its position, until reflector B is sighted, which "
+        "only the left branch has.",
+    ),
+    "lost": Scene(
+        [(400_000, 20_000, 700, 2.0)],
+        GROUPS,
+        RadarScene(LINE, pauses=0, dropout=0),
+        routes=Routes(
+            {102: (_STRAIGHT, _LEFT), 103: (_RIGHTLY_MAPPED,)},
+            {_STRAIGHT: {"C": 700_000}, _LEFT: {"B": 700_000}, _RIGHTLY_MAPPED: {"A": 380_000, "B": 700_000}},
+        ),
+        says="By the map neither route that begins at the second group has a reflector A. When A is sighted no route is left, and the position ends: for the host "
+        "in that cycle, at the reflector machine in the next. At the third group a route begins that has it: branch and position are back.",
     ),
 }  # fmt: skip
 """The scenes, by the end of the recordings' names."""
@@ -140,13 +181,20 @@ def simulate(config: ReflectorDeviceConfig, scene: Scene, *, seed: int) -> Steps
     return _Run(config, scene, motion, measured, np.random.default_rng(seed + 1)).steps(groups)
 
 
-def first_state(config: ReflectorDeviceConfig, *, along: bool = True) -> dict[str, Value]:
-    """Return first values of the open variables: the vehicle stands at place 0, in the direction of the run."""
-    checked: dict[str, Value] = {
-        "odometer_wander_nm": 0, "motion.lawful_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value
-    }  # fmt: skip
-    first: dict[str, Value] = {"truth_nm": 0, "travel_direction.runs_along": along}
-    return first | (checked if config.motion.check is not None else {})
+def first_state(config: ReflectorDeviceConfig, scene: Scene) -> dict[str, Value]:
+    """Return first values of the open variables: the vehicle stands at place 0, in the direction of the run, before any switch."""
+    first: dict[str, Value] = {"truth_nm": 0, "travel_direction.runs_along": scene.along, "route.truth_nm": 0}
+    first_ways, *_ = (scene.routes or every_group_a_start(scene.groups, scene.radar.route)).starts.values()
+    first["route.true_route"] = first_ways[-1]
+    if config.motion.check is not None:
+        first |= {"odometer_wander_nm": 0, "motion.lawful_wander_nm": 0, "motion.lawful_unit": ODOMETER_LAWFUL.value}
+    if scene.switch is not None:
+        first |= {
+            "turn_off.true_switch_mm": scene.switch.position_mm,
+            "turn_off.true_course": next(label.value for label in COURSE if label.label == scene.switch.course),
+            "turn_off.true_lateral_mm": scene.switch.lateral_mm,
+        }
+    return first
 
 
 def simulated(config: ReflectorDeviceConfig, seed: int) -> Steps:
@@ -178,6 +226,9 @@ class _Run:
         self._board = _on_board(config.model_dump_json())
         self._known = {var.name for var in self._board.system.inputs}
         self._state = self._board.first()
+        self._ways = RouteMap(
+            config, scene.routes or every_group_a_start(scene.groups, scene.radar.route), self._places
+        )
 
     def steps(self, groups: Sequence[Mapping[str, Cell]]) -> Steps:
         """Return all cycles; `groups` are the balise machine's own steps."""
@@ -187,9 +238,21 @@ class _Run:
         own = {f"balise.{name}": cell for name, cell in read.items() if name not in _OF_THE_VEHICLE}
         step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
         step |= self._switch(cycle, step) | self._direction(cycle, read="telegram_group" in read)
-        given = {name: cell for name, cell in step.items() if name in self._known}
-        self._state, _ = self._board.step(self._state, self._board.read(given))
+        group = int(read.get("telegram_group", 0))
+        step |= self._ways.started(group)
+        self._ways.begin(group, self._after(step | self._ways.seen(step)))
+        step |= self._ways.seen(step)
+        self._state = self._moved(step)
         return step
+
+    def _moved(self, step: Mapping[str, Cell]) -> tuple[Value, ...]:
+        given = {name: cell for name, cell in step.items() if name in self._known}
+        moved, _ = self._board.step(self._state, self._board.read(given))
+        return moved
+
+    def _after(self, step: Mapping[str, Cell]) -> Mapping[str, Value]:
+        """Return what the device would report after the cycle; it is not made."""
+        return self._board.named_outputs(self._moved(step))
 
     def _vehicle(self, cycle: int) -> dict[str, Cell]:
         measured = self._measured
@@ -197,7 +260,7 @@ class _Run:
         units = {"motion.odometer_mm": measured.odometer, "motion.check_mm": measured.check}
         step |= {name: int(one.distance_mm[cycle]) for name, one in units.items() if one and one.present[cycle]}
         wander = int(measured.odometer.wander_nm[cycle])
-        names = ("balise.odometer_next_wander_nm", "reflector.next_wander_nm")
+        names: tuple[str, ...] = ("balise.odometer_next_wander_nm", "reflector.next_wander_nm", "route.next_wander_nm")
         if measured.check is not None:
             names = ("odometer_next_wander_nm", "motion.lawful_next_wander_nm")
             if self._config.motion.unmeasured is not None:
@@ -208,9 +271,9 @@ class _Run:
         """Return map and radar in a cycle."""
         now, step = int(self._motion.position_nm[cycle]), int(self._motion.distance_nm[cycle])
         seen = {**self._map(read), **self._radar.frame(cycle, step, now)}
-        seen |= {"route_contradicted": cycle in self._scene.contradicted}
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
         whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
+        del whole["route_contradicted"]  # the route machine tells it
         return {f"{'line' if name in _OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
 
     def _direction(self, cycle: int, *, read: bool) -> dict[str, Cell]:
@@ -268,7 +331,7 @@ def _ghosts(course: str, lateral_mm: int, shift_mm: int) -> dict[str, Cell]:
 
 
 def _worked(scene: Scene) -> WorkedRun[ReflectorDeviceConfig]:
-    first = first_state(ReflectorDeviceConfig(), along=scene.along)
+    first = first_state(ReflectorDeviceConfig(), scene)
     return WorkedRun(scene.says, lambda config: simulate(config, scene, seed=SEED), first)
 
 

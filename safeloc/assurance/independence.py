@@ -2,7 +2,9 @@
 
 If a claim consists of terms of the machine, a wrong edit of such a term changes both, and the claim stays proved. Terms are
 compared by structure, not by name: a formula that was written twice counts as shared. Outputs and state variables do not
-count, since claims are about them. Neither do named values of one variable, such as two modes, since they compute nothing.
+count, since claims are about them. Neither do named values of one variable, such as two modes, since they compute nothing. A
+wire that tells the state before the step puts its term both into a row and into a claim that reads the input; so terms over the
+state of several machines do not count.
 """
 
 from __future__ import annotations
@@ -98,9 +100,19 @@ class _Comparison:
         self._share = Sharing()
         self._outputs = {self._share(term) for output in system.outputs.values() for term in _put_out(output)}
         self._used: dict[Expr, list[str]] = {}
+        self._machines: dict[Expr, frozenset[int]] = {
+            var: frozenset({number}) for number, members in enumerate(system.stages) for var in members
+        }
         for what, term in _computed(system):
             for node in in_order([self._share(term)]):
-                self._used.setdefault(node, []).append(what)
+                if len(self._read(node)) <= 1:
+                    self._used.setdefault(node, []).append(what)
+
+    def _read(self, node: Expr) -> frozenset[int]:
+        """Return the machines whose state the term reads; its operands are known already."""
+        if node not in self._machines:
+            self._machines[node] = frozenset[int]().union(*(self._machines[part] for part in children(node)))
+        return self._machines[node]
 
     def shared(self, of: str, terms: Iterable[Expr], src: str) -> Iterator[Shared]:
         """Yield the largest shared sub-terms of these terms, each once."""

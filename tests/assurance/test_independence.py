@@ -9,7 +9,8 @@ import pytest
 from safeloc.assurance.independence import Shared, by_term, follows_machine, shared_terms
 from safeloc.catalogue import load_target
 from safeloc.errors import ModelError
-from safeloc.language.expr import Bool, before, boolean, choice, enumeration, ite, members, number
+from safeloc.language.composition import compose
+from safeloc.language.expr import Bool, NumVar, before, boolean, choice, enumeration, ite, members, number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
@@ -51,6 +52,27 @@ def test_a_claim_of_the_machine_s_own_guard_is_told_with_its_place() -> None:
     assert ("property own term", 11) == (one.of, one.nodes)
     assert {"next value of mode", "next value of n", "transition that fires"} == set(one.used)
     assert "test_independence.py:" in one.src
+
+
+def far_on(kept: NumVar) -> Bool:
+    """A formula of nine nodes over one machine's state."""
+    return kept * 2 + kept * 3 + 7 < 90
+
+
+def test_what_a_late_wire_tells_is_in_the_claim_that_reads_it() -> None:
+    """The wire's term stands in a row as well; what one machine computes is still found."""
+    made, heard, kept = machine(), boolean("heard"), number("kept", MM, 0, 500)
+    row = Transition("heard", ON, OFF, heard & far_on(kept), {kept: 7})
+    early = Machine("early", (ON, OFF), [heard], {kept: 0}, {"kept": kept}, [row])
+    whole = compose("w", [early, made], {heard: (before(N) > before(kept) + 3) & (before(N) < 90)})
+    into = whole.of(early)
+    claims = (
+        always("wire", into.bool(heard)),
+        always("row", into.bool(far_on(kept)).implies(into.bool(heard))),
+    )
+    told = shared_terms(Target("w", (early, made), whole.system, claims))
+    assert {"property row"} == {one.of for one in told}
+    assert all("kept" in one.term and "m.n" not in one.term for one in told)
 
 
 def test_shared_terms_are_grouped() -> None:
@@ -150,7 +172,6 @@ def test_what_an_output_may_be_is_put_out() -> None:
         "guard",
         "marker_device",
         "reflector_device",
-        "reflector_route",
         "localizer",
     ],
 )

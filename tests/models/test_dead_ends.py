@@ -27,7 +27,6 @@ SLOW = {
     "supervised_odometry",
     "marker_device",
     "reflector_device",
-    "reflector_route",
     "reflector",
     "balise",
 }

@@ -18,12 +18,13 @@ from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.models.reflector.world import PRESCRIBED, READING
 from safeloc.models.reflector_device import ReflectorDevice, ReflectorDeviceConfig, compose_machines
 from safeloc.models.reflector_device.simulate import SCENES, write
+from safeloc.models.route.world import AT_THE_START
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.models.stop_point.world import REPORTED
 from safeloc.models.turn_off import TurnOffConfig
+from safeloc.models.turn_off.seen_course import TAKEN
 from safeloc.models.turn_off.world import GIVEN
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.properties.reflector_device import properties
 from tests.models.anchored_wires import whatever_is_reported
 from tests.models.composed_devices import Runs, Wiring, Wrong, flag, input_of
@@ -41,7 +42,8 @@ def test_only_the_laws_of_sensors_are_assumed() -> None:
     owed = {part.name: part.guaranteed for part in system.parts if part.guaranteed}
     restrictive = "a valid position holds the truth"
     assert {
-        "reflector": (READING, PRESCRIBED), "turn_off": (GIVEN,), "delocalized": (restrictive,), "stop_point": (REPORTED,)
+        "reflector": (READING, PRESCRIBED), "turn_off": (GIVEN,), "route": (AT_THE_START, TAKEN), "delocalized": (restrictive,),
+        "stop_point": (REPORTED,),
     } == owed  # fmt: skip
     left = {var.name for var in system.inputs}
     assert not {name for name in left if name.startswith(("reflector.balise", "delocalized.", "turn_off.position"))}
@@ -134,7 +136,7 @@ def _map_from_the_group(whole: ReflectorDevice, right: Wires) -> Wires:
 
 
 def _groups_may_contradict(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {whole.source.own.contradicted: whole.line.contradicted}
+    return {whole.source.own.contradicted: whole.direction.machine.flag("contradicts")}
 
 
 def _host_margins_exchanged(whole: ReflectorDevice, right: Wires) -> Wires:
@@ -225,10 +227,6 @@ def _nothing_sought(whole: ReflectorDevice, _: Wires) -> Wires:
     return {given.present: FALSE, given.value: as_num(0, MM)}
 
 
-def _route_unheard(whole: ReflectorDevice, _: Wires) -> Wires:
-    return {whole.source.own.contradicted: whole.groups.machine.output("reason").eq(CONTRADICTION)}
-
-
 WRONG: Mapping[str, tuple[Wrong, str]] = {
     "a raw telegram anchors": (_raw_telegram, "a rejected telegram is no reading"),
     "the telegram's place": (_raw_place, "contract of reflector"),
@@ -256,7 +254,6 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the telegram's distance unused": (_telegram_unused, "the telegram's reflector distance is used"),
     "the map's distance unused": (_map_unused, "the map's distance is used"),
     "no reflector sought": (_nothing_sought, "the map's next reflector is searched"),
-    "a contradicted route unheard": (_route_unheard, "a contradicted route withdraws the position"),
 }
 """Wires exchanged on purpose, and what is no longer proved: a contract, or a claim of the whole."""
 
@@ -331,10 +328,10 @@ def test_a_stop_is_made_on_the_measured_distance() -> None:
 @pytest.mark.thorough
 def test_another_course_than_permitted_ends_the_report() -> None:
     """The image turns, and in that cycle the host gets nothing, although the reflector is measured."""
-    [turns] = fired("turn-off", "turn_off", "turns left")
-    assert [turns] == fired("turn-off", "delocalized", "position lost")
-    assert recorded("turn-off").steps[turns].outputs["reflector.precise"]
-    assert not [at for at in fired("turn-off", "delocalized", "reference accepted") if at > turns]
+    [turns] = fired("astray", "turn_off", "turns left")
+    assert [turns] == fired("astray", "delocalized", "position lost")
+    assert recorded("astray").steps[turns].outputs["reflector.precise"]
+    assert not [at for at in fired("astray", "delocalized", "reference accepted") if at > turns]
 
 
 @pytest.mark.thorough

@@ -11,7 +11,7 @@ from safeloc.models import reflector_device
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.travel_direction.variables import UNKNOWN
 from safeloc.models.vocabulary.measured import ADMITTED
-from safeloc.properties.reflector_device_direction import properties
+from safeloc.properties.reflector_device import properties
 from tests.models.anchored_wires import always_a_reference, balise_for_the_host
 from tests.models.composed_devices import Runs, Wiring, Wrong, flag
 from tests.models.owed_contracts import Wires

@@ -1,4 +1,4 @@
-"""The map's look-up of routes: the routes that begin at the group that is read, and the next facing switch.
+"""The map's look-up of routes: those that begin at the group that is read.
 
 No machine on board: it computes nothing. The route machine counts the distance of each route from the start's place.
 """
@@ -11,7 +11,7 @@ from safeloc.language.declared import Declared
 from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, Optional, boolean, maximum, number, optional
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.units import COUNT, MM
-from safeloc.models.reflector_route.configuration import ReflectorRouteConfig
+from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 
 NAME = "starts"
 _MOST_ROUTES_AHEAD = 1_000
@@ -24,7 +24,6 @@ class Starts:
     place            the common start of the routes that lead on from the group that is read, mm; absent where none begin
     routes_ahead     how many routes begin there
     candidates       per route that is carried: it is one of them
-    switch_position  the map's next facing switch, mm
     most             the most routes that are carried
     """
 
@@ -32,7 +31,6 @@ class Starts:
     place: Optional
     routes_ahead: NumVar
     candidates: tuple[BoolVar, ...]
-    switch_position: Optional
     most: int
 
     @property
@@ -45,19 +43,18 @@ class Starts:
         return maximum(position + above - self.place.value, self.place.value - (position - below))
 
 
-def starts(config: ReflectorRouteConfig) -> Starts:
+def starts(config: ReflectorDeviceConfig) -> Starts:
     """Build the machine with fresh inputs."""
     declared, table, limit = Declared(), modes("KNOWN"), config.motion.position_limit_mm
     place = declared.sensor(optional("start_position_mm", MM, -limit, limit))
     ahead = declared.sensor(number("routes_ahead", COUNT, 0, _MOST_ROUTES_AHEAD))
     numbers = range(1, config.route.routes + 1)
     candidates = tuple(declared.sensor(boolean(f"route_{one}_candidate")) for one in numbers)
-    switch = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
     made = declared.machine(
         name=NAME,
         modes=table,
         outputs={},
         transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-D6",), 0)],
-        doc="The routes that begin at a group, and the next facing switch. Nothing is assumed here.",
+        doc="The routes that begin at a group. Nothing is assumed here.",
     )
-    return Starts(made, place, ahead, candidates, switch, config.route.routes)
+    return Starts(made, place, ahead, candidates, config.route.routes)

@@ -17,16 +17,19 @@ from safeloc.models.reflector.balise_reading import BaliseReading
 from safeloc.models.reflector.variables import BALISE_CONTRADICTS
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.stop_point.variables import HOLD, NO_ORDER, PROCEED
-from safeloc.properties import anchored_device, turn_off
-from safeloc.properties.anchored_device import (
+from safeloc.properties import turn_off
+from safeloc.properties.reflector_device.host import LAW as SENSORS
+from safeloc.properties.reflector_device.host import (
     accepted,
     astray,
+    carrying,
     disproved,
     every_position_that_is_reported,
     interval_of,
     judged_by,
     of_source,
     only_an_accepted_group,
+    other_route,
     restrictive,
     the_reflector_machines_interval,
     what_the_host_gets,
@@ -35,7 +38,7 @@ from safeloc.properties.anchored_device import (
 from safeloc.properties.stop_point.place import LAW as BRAKES
 from safeloc.properties.turn_off import LAW as IMAGES
 
-LAW = f"{anchored_device.LAW}; {IMAGES}; {BRAKES}"
+LAW = f"{SENSORS}; {IMAGES}; {BRAKES}"
 REQUIREMENTS = ("RFL-1", "RFL-5", "RFL-9")
 _OF_THE_COURSE = ("course is true", "contradiction")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -57,16 +60,9 @@ def _host(whole: ReflectorDevice) -> Iterator[Property]:
     yield every_position_that_is_reported(
         whole,
         "the host gets every position that is reported",
-        astray(whole),
-        "while the reflector machine reports a position and the course is the permitted one, the host that had a position keeps "
-        "one, by odometer as well as by reflector, and one that had none gets it with the first accepted group or recognised reflector",
-    )
-    contradicted = whole.composition.of(whole.line.machine).bool(whole.line.contradicted)
-    yield for_all_inputs(
-        "a contradicted route withdraws the position",
-        contradicted.implies(withdrawn(whole)),
-        statement="in a cycle in which the route is contradicted, neither the host nor the reflector machine has a position",
-        requirements=("RFL-D3", "RFL-D6"),
+        any_of([~carrying(whole), other_route(whole), astray(whole)]),
+        "while the reflector machine reports a position, a route is carried, and course and route are the permitted ones, the host that had a "
+        "position keeps one, by odometer as well as by reflector, and one that had none gets it with the first accepted group or recognised reflector",
     )
 
 

@@ -1,4 +1,4 @@
-"""Properties of reflectors with the route: the branch that is told is the true one, and a lost route ends the position (RFL-D6, RFL-12, RFL-D3).
+"""Properties of the reflector device with its route: the branch that is told is the true one, and a lost route ends the position (RFL-D6, RFL-12, RFL-D3).
 
 What the route machine claims by itself it keeps here of the vehicle that balises and reflectors locate, with fewer laws. Beside it stand claims on the
 wires: a route that begins from a raw telegram, or that nobody hears, would keep every other claim.
@@ -14,34 +14,30 @@ from safeloc.language.expr import Bool, Lit, Num, NumVar, all_of, any_of, as_num
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import COUNT, NM
 from safeloc.models.reflector.echo import Slot
-from safeloc.models.reflector_route import ReflectorRoute
+from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.route import variables as routes
 from safeloc.models.turn_off.variables import UNDECIDED
 from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.models.vocabulary.reflectors import MAX_ERROR_MM, NO_MODEL
-from safeloc.properties import anchored_device
 from safeloc.properties import route as route_claims
-from safeloc.properties import turn_off as course_claims
-from safeloc.properties.anchored_device import (
+from safeloc.properties.hearing import hears_value
+from safeloc.properties.reflector_device.host import LAW as SENSORS
+from safeloc.properties.reflector_device.host import (
     accepted,
     astray,
-    disproved,
-    every_position_that_is_reported,
+    carrying,
     flag,
     interval_of,
-    judged_by,
-    only_a_reference,
-    only_an_accepted_group,
+    lost_route,
+    of_source,
+    other_route,
     restrictive,
-    the_reflector_machines_interval,
-    what_the_host_gets,
     withdrawn,
 )
-from safeloc.properties.hearing import hears_value
 from safeloc.properties.turn_off import LAW as IMAGES
 
 LAW = (
-    f"{anchored_device.LAW}; {IMAGES}; a start that names any route names the true one; an echo that shows a model is that of a reflector: beside the "
+    f"{SENSORS}; {IMAGES}; a start that names any route names the true one; an echo that shows a model is that of a reflector: beside the "
     "true route, within its error, and the map names it there; or beside another track, which the map has in view of the true route, and not where a "
     "near reflector of the own track stands"
 )
@@ -63,38 +59,24 @@ for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 
-def properties(whole: ReflectorRoute) -> list[Property]:
-    """Return the properties of the whole device."""
+def properties(whole: ReflectorDevice) -> list[Property]:
+    """Return the properties of the whole device that concern its route."""
     makers = (
-        _host, _branch, _branches, _others, _too_many, _lost, _only_lost, _told_why, _withdrawn, _starts, _candidates,
-        _near_the_start, _sightings, _courses, _watched,
+        _branch, _branches, _others, _too_many, _lost, _only_lost, _told_why, _starts, _candidates, _near_the_start, _sightings,
+        _courses,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(whole)]
-
-
-# ------------------------------------------------------------------ what the host gets
-
-
-def _host(whole: ReflectorRoute) -> Iterator[Property]:
-    yield from what_the_host_gets(whole, LAW, REQUIREMENTS)
-    yield the_reflector_machines_interval(whole)
-    yield every_position_that_is_reported(
-        whole,
-        "the host gets every position on a route that is carried",
-        ~_carrying(whole),
-        "while the reflector machine reports a position and a route is carried, the host that had a position keeps one, and one that "
-        "had none gets it with the first accepted group or recognised reflector",
-    )
 
 
 # ------------------------------------------------------------------ the branch that is told, and those that are carried
 
 
-def _branch(whole: ReflectorRoute) -> Iterator[Property]:
+def _branch(whole: ReflectorDevice) -> Iterator[Property]:
     for claim in route_claims.properties(whole.route):
         if claim.name in _OF_THE_ROUTE:
             yield replace(whole.composition.inherited(whole.route.machine, claim), assumption=LAW)
-    told, machine = _of_route(whole, "valid"), whole.route.machine
+    machine = whole.route.machine
+    told = flag(whole, machine, "valid")
     number = whole.composition.of(machine).num(machine.output("route"))
     only = all_of(number.eq(one.number).iff(told & _possible(whole, one.possible)) for one in whole.route.own.routes)
     yield for_all_inputs(
@@ -104,7 +86,7 @@ def _branch(whole: ReflectorRoute) -> Iterator[Property]:
     )
 
 
-def _branches(whole: ReflectorRoute) -> Iterator[Property]:
+def _branches(whole: ReflectorDevice) -> Iterator[Property]:
     own, into, heard = (
         whole.route.own,
         whole.composition.of(whole.route.machine),
@@ -117,13 +99,13 @@ def _branches(whole: ReflectorRoute) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "an undecided switch leaves every branch",
-        all_of([nothing, _carrying(whole)]).implies(kept),
+        all_of([nothing, carrying(whole)]).implies(kept),
         statement="in a cycle in which no echo shows a model, no turn is seen and no route begins, every route that was possible stays possible, and no other "
         "becomes possible, unless all are given up",
     )
 
 
-def _others(whole: ReflectorRoute) -> Iterator[Property]:
+def _others(whole: ReflectorDevice) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
     heard = whole.composition.of(whole.source.machine)
     near = any_of(
@@ -138,18 +120,18 @@ def _others(whole: ReflectorRoute) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "another track's reflector in view leaves the branch",
-        any_of([near, turned, begun, ~_carrying(whole)]) | left,
+        any_of([near, turned, begun, ~carrying(whole)]) | left,
         statement="in a cycle in which no echo with a model is near and on the own track's side, no turn is seen and no route begins, a route stays possible "
         "from which the map has such a reflector of another track in view, unless all are given up",
     )
 
 
-def _too_many(whole: ReflectorRoute) -> Iterator[Property]:
+def _too_many(whole: ReflectorDevice) -> Iterator[Property]:
     begun = whole.composition.of(whole.route.machine).bool(whole.route.own.start_error.present)
     ahead = whole.composition.of(whole.starts.machine).num(whole.starts.routes_ahead)
     yield for_all_inputs(
         "more branches than are carried are no position",
-        (begun & (ahead > whole.config.route.routes)).implies(_lost_route(whole) & restrictive(whole)),
+        (begun & (ahead > whole.config.route.routes)).implies(lost_route(whole) & restrictive(whole)),
         statement="in a cycle in which the vehicle starts where more routes begin than are carried, the route is lost and the host gets no position",
     )
 
@@ -157,72 +139,60 @@ def _too_many(whole: ReflectorRoute) -> Iterator[Property]:
 # ------------------------------------------------------------------ a lost route ends the position
 
 
-def _lost(whole: ReflectorRoute) -> Iterator[Property]:
-    yield for_all_inputs(
-        "a lost route withdraws the position",
-        _lost_route(whole).implies(withdrawn(whole)),
-        statement="in each cycle in which no route is left, and up to the next start, neither the host nor the reflector machine has a position",
-        requirements=("RFL-D6", "RFL-D3"),
-    )
-    yield for_all_inputs(
-        "a refuted authority withdraws the position",
-        (_of_route(whole, "refutes_authority") | astray(whole)).implies(withdrawn(whole)),
-        statement="in each cycle in which the route of the movement authority is impossible, or the course at a switch is not the permitted one, "
-        "neither the host nor the reflector machine has a position",
-        requirements=("RFL-12", "RFL-D6"),
-    )
+def _lost(whole: ReflectorDevice) -> Iterator[Property]:
+    for name, against, words, requirements in (
+        ("a lost route withdraws the position", lost_route(whole), "no route is left, and up to the next start", ("RFL-D6", "RFL-D3")),
+        (
+            "a refuted authority withdraws the position", any_of([other_route(whole), astray(whole)]),
+            "the route of the movement authority is impossible, or the course at a switch is not the permitted one", ("RFL-12", "RFL-D6"),
+        ),
+    ):  # fmt: skip
+        had = earlier_bool(of_source(whole, "valid") & against)
+        yield for_all_inputs(
+            name,
+            against.implies(restrictive(whole)) & had.implies(withdrawn(whole)),
+            statement=f"in each cycle in which {words}, the host has no position; one that the reflector machine has then is withdrawn in the next cycle",
+            requirements=requirements,
+        )
 
 
-def _only_lost(whole: ReflectorRoute) -> Iterator[Property]:
+def _only_lost(whole: ReflectorDevice) -> Iterator[Property]:
     yield for_all_inputs(
         "no position without a branch",
-        (~restrictive(whole)).implies(_carrying(whole)),
+        (~restrictive(whole)).implies(carrying(whole)),
         statement="the host has a position only in cycles in which a route is possible",
     )
-    heard = whole.composition.of(whole.source.machine).bool(whole.source.own.contradicted)
-    yield for_all_inputs(
-        "route, course and groups contradict, and nothing else",
-        heard.iff(any_of([_lost_route(whole), _of_route(whole, "refutes_authority"), astray(whole), disproved(whole)])),
-        statement="a contradiction is wired to the reflector machine exactly in the cycles in which the route is lost, the permitted route or course "
-        "is refuted, or groups contradict the position",
-        requirements=("RFL-D6", "RFL-12", "RFL-D3"),
-    )
-
-
-def _told_why(whole: ReflectorRoute) -> Iterator[Property]:
-    [heard] = [one for one in whole.restrictive.inputs if isinstance(one, NumVar) and one.name == "source_reason"]
-    why, told = _why(whole), whole.composition.of(whole.restrictive).num(heard)
-    yield for_all_inputs(
-        "the host is told why no branch is carried",
-        _carrying(whole)
-        | all_of(why.eq(of_route).implies(told.eq(for_host)) for of_route, for_host in _REASONS.items()),
-        statement="without a branch the host's reason is that of the route machine: no start, a contradiction, an interval too wide, a silent odometer",
-    )
-
-
-def _withdrawn(whole: ReflectorRoute) -> Iterator[Property]:
     yield for_all_inputs(
         "only a start ends a lost route",
-        (earlier_bool(_lost_route(whole)) & ~_lost_route(whole)).implies(
+        (earlier_bool(lost_route(whole)) & ~lost_route(whole)).implies(
             whole.composition.of(whole.route.machine).bool(whole.route.own.start_error.present)
         ),
         statement="a lost route is lost up to a cycle in which a group passed every check and routes begin there",
     )
-    yield only_a_reference(
-        whole,
-        "only an accepted group or a reflector ends a loss",
-        _carrying(whole),
-        "the restrictive state is left only in a cycle in which a group passed every check or a reflector was recognised, and a route is "
-        "carried",
-        ("RFL-D6", "RFL-5"),
+
+
+def _told_why(whole: ReflectorDevice) -> Iterator[Property]:
+    [heard] = [one for one in whole.restrictive.inputs if isinstance(one, NumVar) and one.name == "source_reason"]
+    why, told = _why(whole), whole.composition.of(whole.restrictive).num(heard)
+    yield for_all_inputs(
+        "the host is told why no branch is carried",
+        any_of(
+            [
+                carrying(whole),
+                other_route(whole),
+                astray(whole),
+                all_of(why.eq(of_route).implies(told.eq(for_host)) for of_route, for_host in _REASONS.items()),
+            ]
+        ),
+        statement="without a branch the host's reason is that of the route machine: no start, a contradiction, an interval too wide, a silent odometer; "
+        "unless course or route are not the permitted ones",
     )
-    yield only_an_accepted_group(whole)
 
 
 # ------------------------------------------------------------------ what a route begins from
 
 
-def _starts(whole: ReflectorRoute) -> Iterator[Property]:
+def _starts(whole: ReflectorDevice) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
     map_ = whole.composition.of(whole.starts.machine)
     position, below, above = interval_of(whole, whole.groups.machine)
@@ -240,7 +210,7 @@ def _starts(whole: ReflectorRoute) -> Iterator[Property]:
     )
 
 
-def _candidates(whole: ReflectorRoute) -> Iterator[Property]:
+def _candidates(whole: ReflectorDevice) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
     map_ = whole.composition.of(whole.starts.machine)
     most = map_.num(whole.starts.routes_ahead) <= whole.config.route.routes
@@ -254,7 +224,7 @@ def _candidates(whole: ReflectorRoute) -> Iterator[Property]:
     )
 
 
-def _near_the_start(whole: ReflectorRoute) -> Iterator[Property]:
+def _near_the_start(whole: ReflectorDevice) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
     truth, error = whole.motion.own.ghosts.truth, exact_to(into.num(own.start_error.value), NM)
     place = exact_to(whole.composition.of(whole.starts.machine).num(whole.starts.place.value), NM)
@@ -277,7 +247,7 @@ def _near_the_start(whole: ReflectorRoute) -> Iterator[Property]:
 # ------------------------------------------------------------------ what refutes a route
 
 
-def _sightings(whole: ReflectorRoute) -> Iterator[Property]:
+def _sightings(whole: ReflectorDevice) -> Iterator[Property]:
     own, into = whole.route.own, whole.composition.of(whole.route.machine)
     heard, offset = whole.composition.of(whole.source.machine), whole.config.reflector.radar_offset_mm
     shown = [heard.bool(_shows(whole, slot)) for slot in whole.source.own.slots]
@@ -307,7 +277,7 @@ def _sightings(whole: ReflectorRoute) -> Iterator[Property]:
     )
 
 
-def _shows(whole: ReflectorRoute, slot: Slot) -> Bool:
+def _shows(whole: ReflectorDevice, slot: Slot) -> Bool:
     """A frame came whose echo is strong, shows a model, is not too close and ahead of the front end, and has an error that can be told."""
     figures = whole.config.reflector
     weak, coarse = (
@@ -320,7 +290,7 @@ def _shows(whole: ReflectorRoute, slot: Slot) -> Bool:
     )
 
 
-def _stands_by_own_track(whole: ReflectorRoute, slot: Slot) -> Bool:
+def _stands_by_own_track(whole: ReflectorDevice, slot: Slot) -> Bool:
     """The echo is near, and comes from between the two sides at which reflectors of the own track stand."""
     heard, figures = whole.composition.of(whole.source.machine), whole.config
     near = heard.num(slot.range.value) <= figures.own_track_range_mm
@@ -328,11 +298,8 @@ def _stands_by_own_track(whole: ReflectorRoute, slot: Slot) -> Bool:
     return all_of([near, aside >= figures.own_track_right_mm, aside <= figures.own_track_left_mm])
 
 
-def _courses(whole: ReflectorRoute) -> Iterator[Property]:
+def _courses(whole: ReflectorDevice) -> Iterator[Property]:
     own, into = whole.course.own, whole.composition.of(whole.course.machine)
-    for claim in course_claims.properties(whole.course):
-        if claim.name == "course is true":
-            yield replace(whole.composition.inherited(whole.course.machine, claim), assumption=LAW)
     yield for_all_inputs(
         "the route hears the course at a switch",
         whole.composition.of(whole.route.machine).num(whole.route.own.course_taken).eq(into.num(own.course)),
@@ -341,33 +308,14 @@ def _courses(whole: ReflectorRoute) -> Iterator[Property]:
     )
 
 
-def _watched(whole: ReflectorRoute) -> Iterator[Property]:
-    own, into = whole.course.own, whole.composition.of(whole.course.machine)
-    yield for_all_inputs(
-        "the course is judged by the balise machine's interval",
-        judged_by(whole, whole.groups.machine),
-        statement="before, on and beyond a switch are judged by the ends of the balise machine's interval, as far as they are on the line, and by "
-        "those of the line without one",
-        requirements=("RFL-12",),
-    )
-    switch, shown = whole.starts.switch_position, whole.composition.of(whole.starts.machine)
-    place = shown.num(switch.value)
-    yield for_all_inputs(
-        "a switch is taken up only ahead of the interval",
-        hears_value(into, own.switch_position, shown.bool(switch.present) & (place > into.num(own.high)), place),
-        statement="the map's next switch is watched from where the whole interval lies before it, and no other one",
-        requirements=("RFL-12",),
-    )
-
-
 # ------------------------------------------------------------------ words
 
 
-def _possible(whole: ReflectorRoute, term: Bool) -> Bool:
+def _possible(whole: ReflectorDevice, term: Bool) -> Bool:
     return whole.composition.of(whole.route.machine).bool(term)
 
 
-def _count(whole: ReflectorRoute) -> Num:
+def _count(whole: ReflectorDevice) -> Num:
     """The number of routes that are possible."""
     total = as_num(0, COUNT)
     for one in whole.route.own.routes:
@@ -375,20 +323,5 @@ def _count(whole: ReflectorRoute) -> Num:
     return total
 
 
-def _why(whole: ReflectorRoute) -> Num:
+def _why(whole: ReflectorDevice) -> Num:
     return whole.composition.of(whole.route.machine).num(whole.route.own.reason)
-
-
-def _carrying(whole: ReflectorRoute) -> Bool:
-    """At least one route is possible."""
-    return any_of(_possible(whole, one.possible) for one in whole.route.own.routes)
-
-
-def _lost_route(whole: ReflectorRoute) -> Bool:
-    machine = whole.route.machine
-    *_, lost = machine.modes
-    return whole.composition.of(machine).bool(machine.mode.eq(lost))
-
-
-def _of_route(whole: ReflectorRoute, output: str) -> Bool:
-    return flag(whole, whole.route.machine, output)

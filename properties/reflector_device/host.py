@@ -1,4 +1,4 @@
-"""Claims that devices with a reflector machine behind a balise machine share, and the words in which they claim (RFL-1, RFL-5, RFL-D3).
+"""Claims on what the host of the reflector device gets, its law, and the words in which all its claims are said (RFL-1, RFL-5, RFL-D3).
 
 The host's position is that of the reflector machine, which begins only from groups that the balise machine accepted.
 """
@@ -7,19 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol
 
-from safeloc.language.composition import Composition
-from safeloc.language.expr import Bool, Num, NumVar, all_of, between, exact_to, ite
+from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, between, exact_to, ite
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
-from safeloc.models.balise import Balise
 from safeloc.models.balise.variables import ACCEPTED
-from safeloc.models.reflector import ReflectorMachine
-from safeloc.models.reflector_device.configuration import AnchoredConfig
-from safeloc.models.reflector_device.line import Line
-from safeloc.models.turn_off import TurnOff
+from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.properties import delocalized
 from safeloc.properties.balise.step import LAW as GROUPS
@@ -27,47 +21,15 @@ from safeloc.properties.hearing import INTERVAL, hears_interval
 from safeloc.properties.reflector.figures import LAW as RADAR
 
 LAW = f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at one place"
-"""What is assumed of the sensors of each of these devices."""
+"""What is assumed of the sensors that locate it."""
 REQUIREMENTS = ("RFL-1", "RFL-5")
 _OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
-
-
-class AnchoredDevice(Protocol):
-    """A composition with its machines: groups, the line, the course at a switch, the reflector machine, and the restrictive state behind it."""
-
-    @property
-    def config(self) -> AnchoredConfig:
-        """The figures of the vehicle."""
-
-    @property
-    def composition(self) -> Composition:
-        """The whole."""
-
-    @property
-    def groups(self) -> Balise:
-        """The balise machine."""
-
-    @property
-    def line(self) -> Line:
-        """The map's next reflector and switch."""
-
-    @property
-    def course(self) -> TurnOff:
-        """The machine that sees the course at a switch."""
-
-    @property
-    def source(self) -> ReflectorMachine:
-        """The reflector machine."""
-
-    @property
-    def restrictive(self) -> Machine:
-        """The machine that passes the position on to the host."""
 
 
 # ------------------------------------------------------------------ claims
 
 
-def what_the_host_gets(whole: AnchoredDevice, law: str, requirements: tuple[str, ...]) -> Iterator[Property]:
+def what_the_host_gets(whole: ReflectorDevice, law: str, requirements: tuple[str, ...]) -> Iterator[Property]:
     """Yield that the host's position holds the front end, and what the restrictive state keeps by itself."""
     yield _containment(whole, law, requirements)
     for claim in delocalized.properties(whole.restrictive, whole.config.host):
@@ -75,7 +37,7 @@ def what_the_host_gets(whole: AnchoredDevice, law: str, requirements: tuple[str,
             yield whole.composition.inherited(whole.restrictive, claim)
 
 
-def _containment(whole: AnchoredDevice, law: str, requirements: tuple[str, ...]) -> Property:
+def _containment(whole: ReflectorDevice, law: str, requirements: tuple[str, ...]) -> Property:
     """Proved of the restrictive state, given that the reflector machine's interval holds the truth, which that machine has to keep."""
     machine, truth = whole.restrictive, next(iter(whole.restrictive.world.choices))  # the vehicle's, after the step
     assert isinstance(truth, NumVar)
@@ -90,7 +52,7 @@ def _containment(whole: AnchoredDevice, law: str, requirements: tuple[str, ...])
     return replace(whole.composition.inherited(machine, own), name=own.name)
 
 
-def the_reflector_machines_interval(whole: AnchoredDevice) -> Property:
+def the_reflector_machines_interval(whole: ReflectorDevice) -> Property:
     """Return that the host's position is that of the reflector machine: another interval that holds the front end would keep containment too."""
     host, source = whole.composition.of(whole.restrictive), whole.composition.of(whole.source.machine)
     same = hears_interval(host, [whole.restrictive.output(name) for name in INTERVAL], source, whole.source.machine)
@@ -103,7 +65,7 @@ def the_reflector_machines_interval(whole: AnchoredDevice) -> Property:
     )
 
 
-def every_position_that_is_reported(whole: AnchoredDevice, name: str, unless: Bool, statement: str) -> Property:
+def every_position_that_is_reported(whole: ReflectorDevice, name: str, unless: Bool, statement: str) -> Property:
     """Return that no position of the reflector machine is held back without a reason."""
     passed = ~restrictive(whole)
     located = earlier_bool(passed) | accepted(whole) | measured(whole)
@@ -117,7 +79,7 @@ def every_position_that_is_reported(whole: AnchoredDevice, name: str, unless: Bo
 
 
 def only_a_reference(
-    whole: AnchoredDevice, name: str, allowed: Bool, statement: str, requirements: tuple[str, ...]
+    whole: ReflectorDevice, name: str, allowed: Bool, statement: str, requirements: tuple[str, ...]
 ) -> Property:
     """Return that only an accepted group or a recognised reflector ends a loss, and only while that is allowed."""
     lost = restrictive(whole)
@@ -130,7 +92,7 @@ def only_a_reference(
     )
 
 
-def only_an_accepted_group(whole: AnchoredDevice) -> Property:
+def only_an_accepted_group(whole: ReflectorDevice) -> Property:
     """Return what the reflector machine begins from."""
     located = of_source(whole, "valid")
     return always(
@@ -145,43 +107,61 @@ def only_an_accepted_group(whole: AnchoredDevice) -> Property:
 # ------------------------------------------------------------------ words
 
 
-def restrictive(whole: AnchoredDevice) -> Bool:
+def restrictive(whole: ReflectorDevice) -> Bool:
     """Return whether the host has no position."""
     return flag(whole, whole.restrictive, "restrictive")
 
 
-def withdrawn(whole: AnchoredDevice) -> Bool:
+def withdrawn(whole: ReflectorDevice) -> Bool:
     """Return whether neither the host nor the reflector machine has a position."""
     return restrictive(whole) & ~of_source(whole, "valid")
 
 
-def accepted(whole: AnchoredDevice) -> Bool:
+def accepted(whole: ReflectorDevice) -> Bool:
     """Return whether the balise machine reports a position, and the telegram of this cycle passed every check."""
     machine, into = whole.groups.machine, whole.composition.of(whole.groups.machine)
     return into.bool(machine.flag("valid")) & into.num(machine.output("telegram")).eq(ACCEPTED)
 
 
-def disproved(whole: AnchoredDevice) -> Bool:
+def disproved(whole: ReflectorDevice) -> Bool:
     """Return whether the balise machine reports nothing because groups contradict its position."""
     machine = whole.groups.machine
     return whole.composition.of(machine).num(machine.output("reason")).eq(CONTRADICTION)
 
 
-def of_source(whole: AnchoredDevice, output: str) -> Bool:
+def of_source(whole: ReflectorDevice, output: str) -> Bool:
     return flag(whole, whole.source.machine, output)
 
 
-def measured(whole: AnchoredDevice) -> Bool:
+def measured(whole: ReflectorDevice) -> Bool:
     """Return whether the reflector machine measures a reflector that it recognised."""
     return of_source(whole, "precise") & of_source(whole, "recognised")
 
 
-def astray(whole: AnchoredDevice) -> Bool:
+def astray(whole: ReflectorDevice) -> Bool:
     """Return whether the course at a switch is not the permitted one."""
     return flag(whole, whole.course.machine, "contradicts")
 
 
-def judged_by(whole: AnchoredDevice, machine: Machine) -> Bool:
+def carrying(whole: ReflectorDevice) -> Bool:
+    """Return whether at least one route is possible."""
+    into = whole.composition.of(whole.route.machine)
+    return any_of(into.bool(one.possible) for one in whole.route.own.routes)
+
+
+def lost_route(whole: ReflectorDevice) -> Bool:
+    """Return whether the route machine has no route left, nor one begun."""
+    machine = whole.route.machine
+    *_, lost = machine.modes
+    return whole.composition.of(machine).bool(machine.mode.eq(lost))
+
+
+def other_route(whole: ReflectorDevice) -> Bool:
+    """Return whether the route is not that of the movement authority."""
+    return flag(whole, whole.route.machine, "refutes_authority")
+
+
+def judged_by(whole: ReflectorDevice, machine: Machine) -> Bool:
     """Return whether the course is judged by the ends of a machine's interval, as far as they are on the line, and by those of the line without one."""
     own, into, limit = (
         whole.course.own,
@@ -194,11 +174,11 @@ def judged_by(whole: AnchoredDevice, machine: Machine) -> Bool:
     return ite(flag(whole, machine, "valid"), told, low.eq(-limit) & high.eq(limit))
 
 
-def interval_of(whole: AnchoredDevice, machine: Machine) -> list[Num]:
+def interval_of(whole: ReflectorDevice, machine: Machine) -> list[Num]:
     """Return position, margin below and margin above that a machine states."""
     into = whole.composition.of(machine)
     return [into.num(machine.output(name)) for name in INTERVAL]
 
 
-def flag(whole: AnchoredDevice, machine: Machine, output: str) -> Bool:
+def flag(whole: ReflectorDevice, machine: Machine, output: str) -> Bool:
     return whole.composition.of(machine).bool(machine.flag(output))

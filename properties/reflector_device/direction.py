@@ -8,17 +8,29 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, NumVar, before
-from safeloc.language.spec import Property, always, reachable
+from safeloc.language.expr import Bool, Num, NumVar, any_of, before
+from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import MS_PER_S, NM_PER_MM
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.travel_direction.variables import AGAINST, UNKNOWN
 from safeloc.models.vocabulary.measured import ADMITTED
-from safeloc.properties import anchored_device, travel_direction
-from safeloc.properties.anchored_device import accepted, disproved, flag, only_a_reference, withdrawn
+from safeloc.properties import travel_direction
+from safeloc.properties.reflector_device.host import LAW as SENSORS
+from safeloc.properties.reflector_device.host import (
+    accepted,
+    astray,
+    carrying,
+    disproved,
+    flag,
+    lost_route,
+    of_source,
+    only_a_reference,
+    other_route,
+    withdrawn,
+)
 from safeloc.properties.travel_direction import LAW as MODELS
 
-LAW = f"{anchored_device.LAW}; {MODELS}"
+LAW = f"{SENSORS}; {MODELS}"
 REQUIREMENTS = ("RFL-D5", "RFL-D3")
 _OF_THE_DIRECTION = ("direction is true", "both models count", "another direction than expected contradicts")
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -54,21 +66,23 @@ def _wrong_direction(whole: ReflectorDevice) -> Iterator[Property]:
         statement="in each cycle in which the vehicle runs in another direction than the permitted one, neither the host nor the reflector "
         "machine has a position",
     )
-    route = whole.composition.of(whole.line.machine).bool(whole.line.contradicted)
     contradicted = whole.composition.of(whole.source.machine).bool(whole.source.own.contradicted)
+    against = any_of([lost_route(whole), other_route(whole), astray(whole)])
+    before = earlier_bool(of_source(whole, "valid") & against)
     yield for_all_inputs(
         "direction, route and groups contradict, and nothing else",
-        contradicted.iff(wrong | route | disproved(whole)),
-        statement="a contradiction is wired to the reflector machine exactly in the cycles in which the direction is not the permitted one, the "
-        "route is contradicted, or groups contradict the position",
+        contradicted.iff(any_of([wrong, disproved(whole), before])),
+        statement="a contradiction is wired to the reflector machine exactly in the cycles in which the direction is not the permitted one, or groups "
+        "contradict the position, or in the cycle before it had a position on a lost route, or course or route were not the permitted ones",
+        requirements=(*REQUIREMENTS, "RFL-D6", "RFL-12"),
     )
     yield only_a_reference(
         whole,
         "only a reference in the permitted direction ends a loss",
-        ~wrong,
-        "the restrictive state is left only in a cycle in which a group passed every check or a reflector was recognised, and the "
+        carrying(whole) & ~wrong,
+        "the restrictive state is left only in a cycle in which a group passed every check or a reflector was recognised, a route is carried, and the "
         "direction is not contradicted",
-        (*REQUIREMENTS, "RFL-5", "MRK-D1"),
+        (*REQUIREMENTS, "RFL-5", "RFL-D6", "MRK-D1"),
     )
 
 
