@@ -77,6 +77,7 @@ ENTRIES = (
             "travel_direction",
             "reflector",
             "turn_off",
+            "radar",
             "starts",
             "route",
             "delocalized",

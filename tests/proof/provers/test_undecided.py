@@ -81,7 +81,7 @@ def test_an_implication_without_an_answer_is_undecided() -> None:
 @pytest.mark.usefixtures("tired")
 def test_an_assumption_without_an_answer_is_undecided() -> None:
     """It is not called empty, nor a dead end."""
-    moves, lasting, ends = assumption_kept(system(counter()), Limits(seconds=0.3))
+    moves, lasting, ends = assumption_kept(system(counter()), Limits(seconds=0.02))
     assert said(moves.verdict)[0] == "solver: limit reached"
     for one in (lasting, ends):
         assert isinstance(one.verdict, Unknown)
