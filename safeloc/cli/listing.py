@@ -12,7 +12,8 @@ import typer
 from pydantic import BaseModel
 
 from safeloc.assurance.independence import Shared, by_term, follows_machine, shared_terms
-from safeloc.assurance.mutation.strength import Strength, as_data, as_text, strengths_of
+from safeloc.assurance.mutation.shipped_scores import strengths_of
+from safeloc.assurance.mutation.strength import Strength, as_data, as_text
 from safeloc.assurance.property_choice import PropertyChoice
 from safeloc.assurance.register import Listed, register_of
 from safeloc.assurance.requirements import Item, Link, traceability

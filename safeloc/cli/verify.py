@@ -13,7 +13,8 @@ from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, pla
 from safeloc.assurance.margins.kept_margins import MARGINS
 from safeloc.assurance.margins.shipped_margins import margins_of
 from safeloc.assurance.mutation.kept_score import SCORES
-from safeloc.assurance.mutation.strength import STRENGTHS, strengths_of
+from safeloc.assurance.mutation.shipped_scores import scores_of, strengths_of
+from safeloc.assurance.mutation.strength import STRENGTHS
 from safeloc.catalogue import ENTRIES, Target, load_target, with_sources
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, print_cached, store_in
@@ -120,7 +121,7 @@ def verify(
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
     strengths, made = strengths_of(store, loaded), _made(plan)
-    margins, scores = margins_of(store, loaded), SCORES.of_targets(store, loaded)
+    margins, scores = margins_of(store, loaded), scores_of(store, loaded)
     page = write_folder(
         folder,
         findings,

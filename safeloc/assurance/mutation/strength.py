@@ -7,7 +7,7 @@ detects at least one mutant of the rows that implement it.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
 from safeloc.assurance.kept_results import KeptResults
@@ -96,15 +96,6 @@ def kept_strengths(store: Store | None, target: Target) -> dict[str, Strength]:
     """Return the strengths stored for this target; none if it was never judged, or has changed since."""
     data = None if store is None else STRENGTHS.kept(store, target)
     return {} if data is None else {name: Strength(**one) for name, one in data.items()}
-
-
-def strengths_of(store: Store | None, targets: Iterable[Target]) -> dict[str, list[Strength]]:
-    """Return the strengths from earlier runs of `mutate`, for each requirement that these targets implement."""
-    found: dict[str, list[Strength]] = {}
-    for target in targets:
-        for name, one in kept_strengths(store, target).items():
-            found.setdefault(name, []).append(one)
-    return found
 
 
 def as_text(found: Sequence[Strength]) -> list[str]:
