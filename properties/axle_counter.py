@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from safeloc.language.expr import Bool, Lit, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite, maximum
 from safeloc.language.spec import Property, reachable
-from safeloc.language.units import COUNT, MS, NM, UM, UM_S
+from safeloc.language.units import COUNT, MM_S, MS, NM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_counter import passage as p
 from safeloc.models.axle_counter.passage import Parts
@@ -327,6 +327,12 @@ def _flaws(model: AxleCounter) -> Iterator[Property]:
         newly.implies(any_of(own.flaw.eq(flaw) & cause for flaw, cause in _causes(model).items())),
         "a passage is spoilt only by what its flaw says",
     )
+    again = all_of([before_.eq(passing), own.axle.eq(before(own.direction)), own.axle.ne(NO_AXLE), ~_unknown(own)])
+    yield _held(
+        "speeds that exclude each other spoil the passage",
+        (again & _apart(own)).implies(mode.eq(spoilt)),
+        "another axle of the train whose speed no train with this traction and brakes can have ends the passage without a record",
+    )
     yield _lawful(
         "true speeds never contradict each other",
         newly.implies(own.flaw.ne(p.SPEED_CONTRADICTED) | own.missed),
@@ -360,23 +366,38 @@ def _no_passage(model: AxleCounter) -> Iterator[Property]:
 
 
 def _causes(model: AxleCounter) -> dict[Lit, Bool]:
-    own = model.own
-    counted, config = own.axle.ne(NO_AXLE), own.config
-    unknown = (
-        ~own.axle_speed_low.present
-        | ~own.axle_speed_high.present
-        | (own.axle_speed_low.value > own.axle_speed_high.value)
-    )
+    own, config = model.own, model.own.config
+    counted, unknown = own.axle.ne(NO_AXLE), _unknown(own)
     return {
         p.HEAD_FAULT: own.fault,
         p.NO_SPEED: counted & unknown,
         p.TURNED: _other_way(own),
         p.TOO_MANY: before(own.axles_counted) + own.axles_in_cycle > config.axle_limit,
         p.TOO_LONG: (before(own.length_high) > _longest(own)) | _far_off(own),
-        p.SPEED_CONTRADICTED: counted & ~unknown,
+        p.SPEED_CONTRADICTED: counted & ~unknown & _apart(own),
         p.MAYBE_ANOTHER_TRAIN: counted & _late(own),
         p.HEAD_DAMPED: own.damped & _has_passed(model),
     }
+
+
+def _unknown(own: Parts) -> Bool:
+    """Return the condition that no speed of the axle, or none that can be, is given."""
+    return (
+        ~own.axle_speed_low.present
+        | ~own.axle_speed_high.present
+        | (own.axle_speed_low.value > own.axle_speed_high.value)
+    )
+
+
+def _apart(own: Parts) -> Bool:
+    """Return the condition that no speed is in the axle's bounds, in those known before and in the line's, each after a cycle of traction or brake."""
+    change, most = own.config.change_mm_s, own.config.max_speed_mm_s
+    sides = (
+        (own.axle_speed_low.value, own.axle_speed_high.value),
+        (before(own.speed_low), before(own.speed_high)),
+        (Lit(change - most, MM_S), Lit(most - change, MM_S)),  # of any moment, so without the change
+    )
+    return any_of(low - high > 2 * change for low, _ in sides for _, high in sides)
 
 
 def _far_off(own: Parts) -> Bool:

@@ -43,17 +43,16 @@ def spans(config: CountingHeadConfig) -> list[Span]:
     """Return spans up to the slowest wheel that is not refused, each as wide as it can be; only up to where a wheel may be refused."""
     above = least_samples(config) - 1
     found = list[Span]()
-    while above < config.wheel.slow_samples - 1:
-        fits = [
-            one
-            for most in range(above + 1, config.wheel.slow_samples)
-            if _leaves(config, one := _span(config, above, most))
-        ]
-        if not fits:
-            break
+    while fits := _fitting(config, above):
         found.append(fits[-1])
         above = fits[-1].most
     return found
+
+
+def _fitting(config: CountingHeadConfig, above: int) -> list[Span]:
+    """Return the spans from there on of which each wheel leaves the head in time, the widest last; none where all are done."""
+    some = (_span(config, above, most) for most in range(above + 1, config.wheel.slow_samples))
+    return [one for one in some if _leaves(config, one)]
 
 
 def least_samples(config: CountingHeadConfig) -> int:

@@ -23,7 +23,7 @@ NEVER = {
     "sured.value), as_num(0, MS), ...": _DRIFT,
     "models/vocabulary/error_law.py: above * Lit(self.rate_ppm, PPM) + floor + drift from self.odometer.law.growth_nm(abs_("
     "self.distance), as_num(0, M ...": _DRIFT,
-    "properties/reflector_device.py: _in_source_num(whole, given.since.value).eq(0) from maker(whole)": "the wire is 0, as it should be; the claim is there for another one",
+    "properties/reflector_device/located.py: _in_source_num(whole, given.since.value).eq(0) from maker(whole)": "the wire is 0, as it should be; the claim is there for another one",
 }
 """Case splits that no configuration makes live, and why."""
 

@@ -130,7 +130,7 @@ def _checked_error(own: Parts) -> Bool:
     blind = as_num(physics.farthest_nm * THOUSAND, NM)
     most = ite(counts, lawful, blind) + further_error(own.odometer.more) * THOUSAND
     counted = ite(counts, exact_to(own.odometer.measured.value, NM), as_num(0, NM))
-    error = seen.true_cycle_distance - counted - (_wander_after(own) - seen.wander)
+    error = seen.true_cycle_distance - counted - (seen.next_wander - seen.wander)
     return (error * THOUSAND <= most) & (-error * THOUSAND <= most)
 
 

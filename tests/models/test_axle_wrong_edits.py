@@ -155,6 +155,7 @@ COUNTER_EDITS: list[tuple[str, Callable[[Cycle], object], str]] = [
     ("runs", _unchanged_runs, "place is true"),
     ("past", lambda self: self.own.past_low + self.speeds[1] * Lit(100, MS), "the whole train has passed"),
     ("measured", lambda self: (self.own.axle_speed_low.value, self.own.axle_speed_high.value), "speed is true"),
+    ("measured", lambda self: self.speeds, "speeds that exclude each other spoil the passage"),
     ("maybe_another", lambda self: self.own.axles_counted > 999, "count is true"),
     ("paused", lambda self: self.own.pause, "the pause is counted"),
     ("onward", lambda self: self.own.axle.eq(UP), "turning spoils"),
