@@ -382,11 +382,8 @@ def _causes(model: AxleCounter) -> dict[Lit, Bool]:
 
 def _unknown(own: Parts) -> Bool:
     """Return the condition that no speed of the axle, or none that can be, is given."""
-    return (
-        ~own.axle_speed_low.present
-        | ~own.axle_speed_high.present
-        | (own.axle_speed_low.value > own.axle_speed_high.value)
-    )
+    low, high = own.axle_speed_low, own.axle_speed_high
+    return ~low.present | ~high.present | (low.value > high.value)
 
 
 def _apart(own: Parts) -> Bool:
