@@ -107,9 +107,6 @@ def _exact(model: AxleCounter) -> Iterator[Property]:
     )
 
 
-# ------------------------------------------------------------------ bounds no wider than they need to be
-
-
 def _change_mm_s(own: Parts) -> int:
     """Return the greatest change of speed in a cycle, in whole mm/s, rounded up."""
     return -(own.config.change_mm_s2 * own.config.period_ms // -1_000)
