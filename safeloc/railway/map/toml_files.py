@@ -12,6 +12,7 @@ import tomli_w
 from pydantic import ValidationError
 
 from safeloc.errors import InputError
+from safeloc.language.renamed import hint
 from safeloc.railway.map.model import Line
 from safeloc.runtime.outside import quoted, read_text, reading, refuse_beyond, shortened
 from safeloc.runtime.toml_place import line_of, refusal
@@ -92,7 +93,9 @@ def find_line(name: str) -> Line:
             f"safeloc import {name} --out {Path(name).stem}.toml"
         )
     if not Path(name).is_file():
-        raise InputError(f"{name}: no such file, and no shipped line; shipped are {', '.join(known)}.")
+        raise InputError(
+            f"{name}: no such file, and no shipped line; shipped are {', '.join(known)}.{hint(name, known)}"
+        )
     return load_line(Path(name))
 
 

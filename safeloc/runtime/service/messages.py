@@ -231,7 +231,7 @@ def json_object(text: bytes) -> dict[str, Any]:
     except InputError:
         raise
     except (ValueError, RecursionError) as error:
-        raise InputError(f"not JSON ({error})") from error
+        raise InputError(f"not JSON ({error}); each line is one JSON object, docs/records.md") from error
     if not isinstance(found, dict):
         raise InputError(f"expected an object, got {type(found).__name__}")
     return found

@@ -155,6 +155,8 @@ def test_files_are_found_or_not(tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text(to_toml(straight(5)), encoding="utf-8")
     assert straight(5) == find_line(str(path)) == load_line(path)
+    with pytest.raises(InputError, match=r"shipped are .*valley\. Did you mean 'valley'\?$"):
+        find_line("valey")
     with pytest.raises(InputError, match=r"^nowhere: no such file, and no shipped line; shipped are fig1, fig2, fig3"):
         find_line("nowhere")
     with pytest.raises(InputError, match="a folder, not a file"):

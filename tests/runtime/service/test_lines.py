@@ -80,6 +80,10 @@ def test_the_end_of_a_cycle() -> None:
     ("text", "reason"),
     [
         ("", "not JSON"),
+        (
+            "time,odometer_mm",
+            "not JSON (Expecting value: line 1 column 1 (char 0)); each line is one JSON object, docs/records.md",
+        ),
         ("{", "not JSON"),
         ("[1]", "expected an object, got list"),
         (b"\xff\xfe", "not JSON"),
