@@ -212,7 +212,11 @@ class Blocks:
         if (condition, holds) not in self._known:
             kept = {term: term for term in self._written.named}
             self._known[condition, holds] = Known({**kept, **implied(condition, holds)})
-        return [(name, self._known[condition, holds](term)) for name, term in left]
+        known, named = (
+            self._known[condition, holds],
+            self._written.named,
+        )  # what has a name keeps it: it is computed already
+        return [(name, term if term in named else known(term)) for name, term in left]
 
     def _shared(self, groups: Sequence[_Group]) -> list[Expr]:
         """Return the terms that more than one place needs, operands first."""

@@ -198,8 +198,13 @@ class _Merging:
 
     def _before(self, terms: Iterable[Expr]) -> dict[Var, Var]:
         """Return, for each value before the step that the terms read, the state variable of the composition: of any machine."""
-        names = {var: named for of_one in self._names.values() for var, named in of_one.items()}
-        return {var: names[var.before] for var in variables(terms) if var.before is not None}
+        plan = self._plan
+        states = {
+            var: self._names[machine][var]
+            for machine, system in zip(plan.machines, plan.systems, strict=True)
+            for var in system.state
+        }
+        return {var: states[var.before] for var in variables(terms) if var.before is not None}
 
     def _member(self, machine: Machine, system: TransitionSystem) -> _Member:
         """Return the machine with its renamings; remember the values of its inputs and its terms about a state."""

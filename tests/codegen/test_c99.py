@@ -15,7 +15,21 @@ from safeloc.codegen.c99 import Run, library_texts, to_c
 from safeloc.codegen.c99_layout import layout_of
 from safeloc.codegen.c_loader import CMachine, load_c
 from safeloc.errors import InputError
-from safeloc.language.expr import BoolVar, Expr, Var, boolean, floor_div, number, product
+from safeloc.language.composition import compose
+from safeloc.language.expr import (
+    BoolVar,
+    Expr,
+    Num,
+    Var,
+    abs_,
+    before,
+    boolean,
+    floor_div,
+    maximum,
+    minimum,
+    number,
+    product,
+)
 from safeloc.language.interpret import run
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.nodes import INT64_MAX, INT64_MIN, Past, Value
@@ -319,3 +333,33 @@ def test_the_header_tells_units_ranges_and_requirements() -> None:
     assert "; read only where front_marker_present is 1 */" in header
     assert re.search(r"ODOMETRY_FIRED_\w+ = \d+, /\* .*: .* -> .*; .*MRK-", header)
     assert "* Told." in header
+
+
+def test_what_is_computed_already_is_not_declared_again() -> None:
+    """A move that two tests depend on in turn, of a machine that hears itself a step late and of one that hears the same wire."""
+
+    def within(term: Num, low: int, high: int) -> Num:
+        return maximum(minimum(term, high), low)
+
+    kept, first, second = (number(name, COUNT, -50, 50) for name in ("kept", "first", "second"))
+    heard, given_, told, again = (number(name, COUNT, 0, 9) for name in ("heard", "given", "told", "again"))
+    m0, _, m2 = ms = modes("M0", "M1", "M2")
+    n0, n1, n2 = ns = modes("N0", "N1", "N2")
+    moved = within(floor_div(kept, 7) + minimum(heard, 3), -50, 50)
+    a = Machine(
+        "A", ms, [heard, given_], {kept: 0}, {},
+        [Transition("t1", m0, m2), Transition("t2", (m2, m0), m2, set={kept: moved}, rank=1)],
+    )  # fmt: skip
+    rows = [
+        Transition("u0", (n2, n0), n2, again * 2 - again < 3, {first: within(abs_(told) - second, -50, 50)}),
+        Transition("u2", (n0, n1), n0, rank=1),
+    ]
+    b = Machine("B", ns, [told, again], {first: 0, second: 0}, {}, rows)
+    wires: dict[Var, Expr] = {heard: within(before(kept), 0, 9), again: heard, told: within(given_, 0, 9)}
+    whole = compose("w", [a, b], wires).system
+    given_steps = [{"A.given": value} for value in (9, 3, 0, 7, 1)]
+    steps = run(whole, given_steps).steps
+    machine = load_c(whole)
+    for read, step in zip(given_steps, steps, strict=True):
+        machine.step(read)
+        assert step.state == machine.state

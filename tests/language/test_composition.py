@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import permutations
 
 import pytest
 
@@ -100,6 +102,21 @@ def test_of_an_earlier_machine_too_the_value_before_the_step_can_be_heard() -> N
     assert [step.fired["alarm.fired"] for step in trace.steps] == ["(stay)", "(stay)", "ring"]
 
 
+@pytest.mark.parametrize("order", list(permutations("abc")))
+def test_a_late_wire_reads_the_state_though_another_machine_hears_the_variable(order: Sequence[str]) -> None:
+    """One variable is the state of a machine and an input of another: `before` means the state."""
+    held, poured, own, told, kept = (number(name, MM, 0, 9) for name in ("held", "poured", "own", "told", "kept"))
+    (only,) = table = modes("ONLY")
+    hears = Machine("b", table, [held], {own: 0}, {}, [Transition("pour", only, only, set={own: held})])
+    machines = {"a": bucket("a", held, poured), "b": hears, "c": replace(bucket("c", kept, told), outputs={})}
+    whole = compose("w", [machines[name] for name in order], {told: before(held)}).system
+    trace = run(whole, [{"a.poured": poured, "b.held": other} for poured, other in ((5, 1), (6, 2), (7, 3))])
+    assert [0, 5, 6] == [step.state["c.kept"] for step in trace.steps]
+    twice = [bucket("left", held, poured), bucket("right", held, poured), machines["c"]]
+    with pytest.raises(ModelError, match=r"state variables that exactly one of \['left', 'right', 'c'\] has"):
+        compose("w", twice, {told: before(held)})
+
+
 def test_a_claim_reads_what_a_late_wire_tells() -> None:
     """`of` turns the input into the value before the step: a claim of the value after it is refused."""
     pair = Pair()
@@ -174,7 +191,7 @@ WRONG: dict[str, tuple[Callable[[Pair], dict[Var, Expr]], str]] = {
     ),
     "input before the step": (
         lambda pair: {pair.quiet: before(pair.step) > 3},
-        "composition 'both': the wire to 'quiet' reads ['before.step']; before() and was() are for state variables that one of "
+        "composition 'both': the wire to 'quiet' reads ['before.step']; before() and was() are for state variables that exactly one of "
         "['counter', 'alarm'] has.",
     ),
 }

@@ -16,11 +16,11 @@ from safeloc.catalogue import load_target
 from safeloc.errors import InputError
 from safeloc.language.checks.composition import Plan
 from safeloc.language.composition import Clause, compose
-from safeloc.language.expr import BoolVar, Expr, NumVar, Optional, Var
+from safeloc.language.expr import BoolVar, Expr, NumVar, Optional, Var, before_step
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property
 from safeloc.language.system import Part, TransitionSystem, lower
-from safeloc.language.terms import Substitution
+from safeloc.language.terms import Sharing, Substitution, variables
 from safeloc.proof.verification.other_figures import with_fitting_recordings
 from safeloc.target import Target
 
@@ -114,7 +114,21 @@ def _rewired(wires: Mapping[Var, Expr], was: Machine, now: Machine) -> dict[Var,
     """Return the wires with the outputs of the machine as it was replaced by those that it has now."""
     pairs = [(was.outputs[name], term) for name, term in now.outputs.items() if term is not was.outputs[name]]
     change = Substitution({}, pairs)
-    return {var: change(term) for var, term in wires.items()}
+    return {var: _late(change(term), pairs) for var, term in wires.items()}
+
+
+def _late(wire: Expr, outputs: Sequence[tuple[Expr, Expr]]) -> Expr:
+    """Return the wire with outputs replaced where it reads them before the step: there it has a copy of the term."""
+    late = [var for var in variables([wire]) if var.before is not None]
+    if not late or not outputs:
+        return wire
+    twins: dict[Var, Expr] = {}
+    for var in variables([wire, *(term for pair in outputs for term in pair)]):
+        state = var if var.before is None else var.before
+        twins.setdefault(state, var if var.before is not None else before_step(var))
+    share, before = Sharing(), Substitution(twins)
+    one = share(Substitution({var: twins[var.before] for var in late if var.before is not None})(wire))
+    return Substitution({}, [(share(before(was)), before(now)) for was, now in outputs])(one)
 
 
 def in_variables_of(system: TransitionSystem, like: TransitionSystem) -> tuple[TransitionSystem, Substitution]:

@@ -198,7 +198,7 @@ def _values_before_are_state(plan: Plan) -> Iterator[str]:
         unknown = [one.name for one in variables([term]) if one.before is not None and one.before not in once]
         if unknown:
             yield (
-                f"the wire to {var.name!r} reads {unknown}; before() and was() are for state variables that one of "
+                f"the wire to {var.name!r} reads {unknown}; before() and was() are for state variables that exactly one of "
                 f"{[machine.name for machine in plan.machines]} has."
             )
 

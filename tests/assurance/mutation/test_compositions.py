@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from safeloc.assurance.mutation.composed_work import JudgingComposed, parts
 from safeloc.assurance.mutation.judge_composition_mutant import composition_bench, of_member, of_wire, shared
 from safeloc.assurance.mutation.members import Composed, composed, joined
 from safeloc.assurance.mutation.places import Places, noted
-from safeloc.assurance.mutation.results import Judged, Outcome, by_requirement
+from safeloc.assurance.mutation.results import BY_PROOF, EQUIVALENT, Judged, Outcome, by_requirement
 from safeloc.assurance.mutation.rewired import rewired
 from safeloc.assurance.mutation.wires import wire_edits
 from safeloc.assurance.mutation.work import Plan
@@ -22,6 +22,7 @@ from safeloc.errors import InputError
 from safeloc.language.terms import alike
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
+from tests.assurance.mutation import answer
 from tests.assurance.mutation.door import lasting, listening, target, truthful
 
 PLAN = Plan(Limits(seconds=2), 0, 2)
@@ -186,6 +187,22 @@ def test_a_wrong_term_on_a_wire() -> None:
         ("and becomes or", noticed), ("condition 1 is left out", noticed), ("condition 2 is left out", equal),
         ("or becomes and", noticed), ("condition 1 is left out", noticed), ("condition 2 is left out", equal),
     ] == told  # fmt: skip
+
+
+def test_a_wrong_output_is_wrong_on_a_late_wire_too() -> None:
+    """The wire has a copy of the output's term, over the state before the step; each wrong output is noticed by the claim of the whole."""
+    with noted() as places:
+        made = answer.target()
+    whole = composed(made, places)
+    brake = whole.members["brake"].machine
+    wrong = replace(brake, outputs={"strong": brake.outputs["strong"] | (brake.mode.ne(brake.modes[0]))})
+    heard = made.system.variable("judge.mode")
+    assert alike(joined(whole, brake).next[heard], made.system.next[heard])
+    assert not alike(joined(whole, wrong).next[heard], made.system.next[heard])
+    judged = JudgingComposed(whole, PLAN, lambda _: None).all(parts(whole, places, most=None, seed=0))
+    of_output = [one for one in judged if "output strong" in str(one.where)]
+    assert len(of_output) >= 5
+    assert all(one.everywhere.fate in BY_PROOF or one.everywhere.fate == EQUIVALENT for one in of_output)
 
 
 def test_another_output_of_the_machine() -> None:
