@@ -81,7 +81,7 @@ def _seen(frame: Radar, carried: Route) -> dict[Var, Expr]:
 # ------------------------------------------------------------------ a position only on a branch that is possible
 
 
-def is_carried(carried: Route) -> Bool:
+def _is_carried(carried: Route) -> Bool:
     """Return whether at least one route is left."""
     _, undecided, decided, _ = carried.machine.modes
     return carried.machine.mode.one_of(undecided, decided)
@@ -105,7 +105,7 @@ def contradicted_before(located: Anchored, course: TurnOff, carried: Route) -> B
 def passed_on(located: Anchored, course: TurnOff, carried: Route) -> Bool:
     """Return whether the host gets the reflector machine's position: a route is carried, and course and route are the permitted ones."""
     permitted = (~one for one in refuted(course, carried))
-    return all_of([located.measuring.stated.valid, is_carried(carried), *permitted])
+    return all_of([located.measuring.stated.valid, _is_carried(carried), *permitted])
 
 
 def why_not(course: TurnOff, carried: Route, reason: Num) -> Num:
@@ -114,7 +114,7 @@ def why_not(course: TurnOff, carried: Route, reason: Num) -> Num:
     return first_of(
         (other_course, CONTRADICTION),
         (other_route, CONTRADICTION),
-        (is_carried(carried), reason),
+        (_is_carried(carried), reason),
         (why.eq(NO_START), NO_REFERENCE),
         (why.eq(TOO_WIDE), TOLERANCE),
         (why.eq(NO_ROUTE_FITS), CONTRADICTION),

@@ -56,7 +56,7 @@ class _File(BaseModel):
 
 @dataclass(frozen=True)
 class ShippedScore:
-    """What ships of a machine's mutants: its score as `kept_score` has it, and the strength of each requirement."""
+    """The score of a machine as `kept_score` has it, and the strength of each requirement, as they ship."""
 
     score: Mapping[str, Any]
     strengths: Mapping[str, Strength]

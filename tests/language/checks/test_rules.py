@@ -169,6 +169,11 @@ def wire_from_nowhere() -> None:
     fails(lambda: proves((whole := compose("w", [made], {HEARD: stranger})).system, whole.of(made).bool(X <= 9)))
 
 
+def late_wire_from_nowhere() -> None:
+    """What nobody has has no value before the step either."""
+    fails(lambda: compose("w", [plain()], {HEARD: before(number("stranger", ONE, 0, 9))}))
+
+
 def wire_by_hand() -> None:
     """A divisor of zero: solvers make up what the quotient is, and no run computes it."""
     (t,) = modes("T")
@@ -376,6 +381,7 @@ OFFENCES: dict[str, Offence] = {
     "wires fit": Offence(wire_of_another_kind),
     "wires read no ghosts": Offence(wire_from_a_ghost, ("no ghost is read on board",)),
     "wires read earlier machines": Offence(wire_from_nowhere, (WHOLE_READS,)),
+    "values before the step are state": Offence(late_wire_from_nowhere),
     "joined names are distinct": Offence(lemmas_of_one_name),
     WHOLE_TERMS: Offence(terms_by_hand),
     "facts of the system are truth values": Offence(fact_of_another_kind),
