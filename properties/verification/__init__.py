@@ -19,6 +19,7 @@ from safeloc.properties.verification.mismatch import record_bounds
 from safeloc.properties.verification.reach import properties as reach_properties
 from safeloc.properties.verification.requirements import CLAIM, CONTROL, COUNTED, COURSE, EMITTER, ENTRY, STAY
 from safeloc.properties.verification.rests_on import properties as rests_on_properties
+from safeloc.properties.verification.told import properties as told_properties
 
 LAW = (
     "the fibre's readings of a train are true of that train within their bounds; a located interval contains the front"
@@ -51,6 +52,7 @@ def properties(model: Verification) -> list[Property]:
         *ability_properties(model),
         *reach_properties(model),
         *rests_on_properties(model),
+        *told_properties(model),
         *_handed_over(model),
         *_reached(model),
     ]
