@@ -58,12 +58,10 @@ class Anchored:
         return self.groups.machine.output("reason").eq(CONTRADICTION)
 
     def into_host(self, behind: delocalized.Parts) -> dict[Var, Expr]:
-        """Return the wires of the restrictive state: an accepted group and a recognised reflector end it."""
+        """Return the wires of the restrictive state, but for validity and reason: an accepted group and a recognised reflector end it."""
         stated = self.measuring.stated
         return {
-            behind.valid: stated.valid,
             behind.reference_accepted: stated.reference | self.accepted & stated.valid,
-            behind.source_reason: stated.reason,
             behind.position: stated.position,
             behind.below: stated.below,
             behind.above: stated.above,

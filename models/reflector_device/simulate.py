@@ -240,7 +240,8 @@ class _Run:
         step |= self._switch(cycle, step) | self._direction(cycle, read="telegram_group" in read)
         group = int(read.get("telegram_group", 0))
         step |= self._ways.started(group)
-        self._ways.begin(group, self._after(step | self._ways.seen(step)))
+        if group:
+            self._ways.begin(group, self._after(step | self._ways.seen(step)))
         step |= self._ways.seen(step)
         self._state = self._moved(step)
         return step
