@@ -22,10 +22,10 @@ from safeloc.assurance.margins.kept_margins import MARGINS
 from safeloc.assurance.margins.limits_of_figures import Limit
 from safeloc.assurance.margins.makers import machine_digest
 from safeloc.assurance.margins.margin_data import row
-from safeloc.catalogue import ENTRIES
+from safeloc.assurance.shipped_files import has_shipped_figures, place_of, shipped_file
 from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
-from safeloc.target import MODELS, Target, beside
+from safeloc.target import Target
 
 KIND = "margins.json"
 _SCHEMA = "safeloc-shipped-margins/1"
@@ -67,10 +67,9 @@ def shipped_margins(target: Target, path: Path | None = None) -> Shipped | None:
 
     InputError for a file of another form.
     """
-    entry = ENTRIES[target.spec] if target.spec.isidentifier() and target.spec in ENTRIES else None
-    if entry is None or target.config != entry.config():
+    if not has_shipped_figures(target):
         return None
-    path = beside(entry.name, KIND) if path is None else path
+    path = shipped_file(target, KIND) if path is None else path
     if path is None:
         return None
     content = _read(path)
@@ -102,8 +101,7 @@ def write_shipped(
     target: Target, parts: Mapping[str, Any], found: str, seconds: float, path: Path | None = None
 ) -> Path:
     """Write the margins of a machine to the file that ships with it; return its path."""
-    entry = ENTRIES[target.spec]
-    path = MODELS / entry.folder / f"{entry.name}.{KIND}" if path is None else path
+    path = place_of(target, KIND) if path is None else path
     head = {"schema": _SCHEMA, "digest": machine_digest(target), "found": found, "seconds": seconds}
     lines = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in head.items()]
     world = [json.dumps(_short(one), separators=(",", ":")) for one in parts.get("world", ())]

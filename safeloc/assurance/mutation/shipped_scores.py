@@ -18,10 +18,10 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from safeloc.assurance.margins.makers import machine_digest
 from safeloc.assurance.mutation.kept_score import SCORES
 from safeloc.assurance.mutation.strength import Strength, kept_strengths
-from safeloc.catalogue import ENTRIES
+from safeloc.assurance.shipped_files import has_shipped_figures, place_of, shipped_file
 from safeloc.errors import InputError
 from safeloc.proof.cache.store import Store
-from safeloc.target import MODELS, Target, beside
+from safeloc.target import Target
 
 KIND = "mutation.json"
 _SCHEMA = "safeloc-shipped-mutation/1"
@@ -69,10 +69,9 @@ def shipped_score(target: Target, path: Path | None = None) -> ShippedScore | No
 
     InputError for a file of another form.
     """
-    entry = ENTRIES[target.spec] if target.spec.isidentifier() and target.spec in ENTRIES else None
-    if entry is None or target.config != entry.config():
+    if not has_shipped_figures(target):
         return None
-    path = beside(entry.name, KIND) if path is None else path
+    path = shipped_file(target, KIND) if path is None else path
     if path is None:
         return None
     content = _read(path)
@@ -116,8 +115,7 @@ def write_shipped_score(
     target: Target, score: Mapping[str, Any], strengths: Mapping[str, Strength], path: Path | None = None
 ) -> Path:
     """Write score and strengths of a machine to the file that ships with it; return its path."""
-    entry = ENTRIES[target.spec]
-    path = MODELS / entry.folder / f"{entry.name}.{KIND}" if path is None else path
+    path = place_of(target, KIND) if path is None else path
     head = {"schema": _SCHEMA, "digest": machine_digest(target), "score": {**score, "since": str(score["since"])[:10]}}
     lines = [f"{json.dumps(name)}: {json.dumps(value)}" for name, value in head.items()]
     rows = [f"{json.dumps(name)}: {json.dumps(_short(one))}" for name, one in sorted(strengths.items())]

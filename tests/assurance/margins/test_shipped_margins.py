@@ -92,7 +92,7 @@ def test_what_is_found_since_comes_before_what_ships(
     transmission: Target, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, store = written(transmission, tmp_path), Store(tmp_path / "cache")
-    monkeypatch.setattr("safeloc.assurance.margins.shipped_margins.beside", lambda *_: path)
+    monkeypatch.setattr("safeloc.assurance.margins.shipped_margins.shipped_file", lambda *_: path)
     both = {"world": limits(transmission), "pairs": [FRONT]}
     assert margins_of(store, [transmission]) == {"transmission": {**both, "shipped": DAY}}
     keep_margins(store, transmission, "world", limits(transmission)[:1])

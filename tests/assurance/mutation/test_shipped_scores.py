@@ -78,7 +78,7 @@ def test_the_run_that_judged_more_is_told(
     transmission: Target, path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, judged: int, of_the_run: bool
 ) -> None:
     """One that judged as many as the file says is newer."""
-    monkeypatch.setattr("safeloc.assurance.mutation.shipped_scores.beside", lambda *_: path)
+    monkeypatch.setattr("safeloc.assurance.mutation.shipped_scores.shipped_file", lambda *_: path)
     store = Store(tmp_path / "cache")
     assert {"transmission": SCORE} == scores_of(store, [transmission])
     assert {"FVA-1": [STRENGTH]} == strengths_of(store, [transmission]) == strengths_of(None, [transmission])
