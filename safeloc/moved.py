@@ -109,6 +109,7 @@ MOVED = {
     "safeloc.properties.balise_layout": "safeloc.properties.balise.layout",
     "safeloc.properties.balise_linking": "safeloc.properties.balise.linking",
     "safeloc.properties.balise_step": "safeloc.properties.balise.step",
+    "safeloc.properties.fibre_area_told": "safeloc.properties.fibre_area.told",
     "safeloc.properties.odometry_faults": "safeloc.properties.odometry.faults",
     "safeloc.properties.verification_mismatch": "safeloc.properties.verification.mismatch",
     "safeloc.provers": "safeloc.proof.provers",

@@ -6,7 +6,7 @@ from typing import Literal
 
 from safeloc.config import Config, quantity
 from safeloc.language.declared import Declared
-from safeloc.language.expr import Bool, boolean, number
+from safeloc.language.expr import TRUE, Bool, boolean, number
 from safeloc.language.machine import ANY, current_mode, modes
 from safeloc.language.units import COUNT, MM, UM
 from safeloc.models.area.followers import Followers, followers
@@ -66,11 +66,13 @@ class Parts:
     healthy, clear     the axle counters, or train detection: undisturbed; no axle is counted in, or nobody is in the area
     loose_low, loose_high  bounds of loose vehicles, rear to front
     loose_there, loose_rear, loose_front  ghosts: some loose vehicle is in the area; its true ends, um
+    axle_between  ghost: after the cycle an axle is between the counters; where nobody counts axles it is not asked
     inner      detection sections inside the area
     followers  vehicles that come in uncounted at borders that report occupancy alone; None where every vehicle is counted
     """
 
     followers: Followers | None
+    axle_between: Bool
 
     def __init__(self, config: AreaConfig) -> None:
         self.declared = declared = Declared()
@@ -93,12 +95,13 @@ class Parts:
             slot(declared, n, reach, config.count_limit, integrity_is_trusted=trusted, inner=self.inner)
             for n in range(1, config.trains + 1)
         )
+        counted = config.borders == "counted"
+        self.axle_between = declared.choice(boolean("axle_between")) if counted else TRUE
         self.rejected_events = declared.state(number("rejected_events", COUNT, 0, config.trains), first=0)
         self.next_loose_there = declared.choice(boolean("next_loose_there"))
         self.next_loose_rear = declared.choice(number("next_loose_rear_um", UM, -far - step, far + step))
         self.next_loose_front = declared.choice(number("next_loose_front_um", UM, -far - step, far + step))
         ends = (self.low_end, self.high_end)
-        counted = config.borders == "counted"
         self.followers = None if counted else followers(declared, reach, ends, config.trains, self.inner)
 
     @property

@@ -1,7 +1,7 @@
 """The world of a line area: trains and vehicles that were never counted, and the laws of counters and reports.
 
     trains    run no faster than the top speed, and are on the line
-    counters  undisturbed, count every train in and out at its end, into a free slot, and are clear only over an empty area
+    counters  undisturbed, count every train in and out at its end, into a free slot, and are clear only if no axle is between them
     reports   of a train, if trusted, contain its leading end, and both ends if it is known to be whole
     others    vehicles that were never counted come in only while a counter is disturbed, and no vehicle passes another
 
@@ -20,6 +20,8 @@ from safeloc.models.area import followers_world, inner_world
 from safeloc.models.area.laws import came_in, um
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, Slot
 from safeloc.models.area.variables import Parts
+
+CLEAR_CLAUSE = "clear counters have no axle between them"
 
 
 def world(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> World:
@@ -55,13 +57,13 @@ def _train_moves(own: Parts, one: Slot) -> dict[Var, Expr]:
 
 
 def _stays(own: Parts, one: Slot) -> Bool:
-    """Return the condition that the train is in the area after the cycle, by the undisturbed counters.
+    """Return the condition that the train is in the area after the cycle: until undisturbed counters count it out, or no axle is there.
 
     Where nobody counts it is so until it has reported that it left, or detection was clear, and it is really outside.
     """
     if own.followers is not None:
         return followers_world.stays(own, one)
-    return (one.there | one.enters) & ~(own.healthy & one.leaves) & ~(own.healthy & own.clear & ~one.enters)
+    return (one.there & ~(own.healthy & one.leaves) & own.axle_between) | one.enters
 
 
 def moves_clause(one: Slot) -> str:
@@ -89,7 +91,8 @@ def _laws(own: Parts, kept: Sequence[Slot], counted_out: Sequence[Slot]) -> dict
         **moves,
         **counted,
         **reports,
-        "uncounted vehicles": _loose_law(own),
+        CLEAR_CLAUSE: _clear_law(own),
+        **_loose_laws(own),
     }
 
 
@@ -213,30 +216,54 @@ def _reports_law(one: Slot) -> Law:
 # ------------------------------------------------------------------ vehicles that were never counted
 
 
-def _loose_law(own: Parts) -> Law:
-    step = own.config.reach.cycle_mm * UM_PER_MM
-    rear, front = own.next_loose_rear, own.next_loose_front
-    runs = (abs_(front - own.loose_front) <= step) & (abs_(rear - own.loose_rear) <= step)
-    inside = (front >= um(own.low_end)) & (rear <= um(own.high_end))
-    term = all_of(
-        [
-            own.next_loose_there.implies(own.loose_there | ~own.healthy),
-            own.next_loose_there.implies((rear <= front) & inside),
-            (own.next_loose_there & own.loose_there).implies(runs),
-            own.next_loose_there.implies(~(own.healthy & own.clear)),
-            *((own.next_loose_there & own.healthy).implies(_beside(own, one)) for one in own.slots),
-        ]
-    )
+def _clear_law(own: Parts) -> Law:
     return Law(
-        term,
-        "A vehicle that was never counted was there at the start or came in while a counter was disturbed; it runs no faster than the "
-        "top speed, undisturbed counters are not clear over it, and it stays above a train that came in at the low end, and "
-        "below one from the high end, for as long as the counters are undisturbed.",
-        ("max_speed_mm_s", "period_ms"),
-        "[D] one track: no vehicle passes another",
-        "infrastructure",
-        "safety case of the counters; no switch between them",
+        (own.healthy & own.clear).implies(~own.axle_between),
+        "Undisturbed counters report an empty area only if no axle is between them.",
+        source="[S] FVA-4: the sensor is safe; [D] proved of the axle section under its own laws",
+        owner="supplier",
+        check="safety case of the counters",
     )
+
+
+def _loose_laws(own: Parts) -> dict[str, Law]:
+    """Return the laws of a vehicle that was never counted."""
+    there, rear, front = own.next_loose_there, own.next_loose_rear, own.next_loose_front
+    step = own.config.reach.cycle_mm * UM_PER_MM
+    runs = (abs_(front - own.loose_front) <= step) & (abs_(rear - own.loose_rear) <= step)
+    inside = (rear <= front) & (front >= um(own.low_end)) & (rear <= um(own.high_end))
+    return {
+        "vehicles come in uncounted only in a disturbance": Law(
+            there.implies(own.loose_there | ~own.healthy),
+            "A vehicle that was never counted was there at the start, or came in while a counter was disturbed.",
+            source="[S] FVA-4; [M] every train that comes in is announced, and gets a slot",
+            owner="supplier",
+            check="safety case of the counters; axles counted in without a train that is announced",
+        ),
+        "an uncounted vehicle in the area is between the counters": Law(
+            there.implies(inside & own.axle_between),
+            "A vehicle in the area reaches in between the counters, and has an axle there.",
+            source="[D] a vehicle's axle is over a counter before its end reaches into what the area protects",
+            owner="infrastructure",
+            check="place of the counters against the fouling point, with the longest overhang",
+        ),
+        "uncounted vehicles keep to the top speed": Law(
+            (there & own.loose_there).implies(runs),
+            "A vehicle that was never counted runs no faster than the top speed.",
+            ("max_speed_mm_s", "period_ms"),
+            "[D] line speed",
+            "operator",
+            "speed supervision",
+        ),
+        "no uncounted vehicle passes a train": Law(
+            all_of((there & own.healthy).implies(_beside(own, one)) for one in own.slots),
+            "A vehicle that was never counted stays above a train that came in at the low end, and below one from the high end, for "
+            "as long as the counters are undisturbed.",
+            source="[D] one track: no vehicle passes another",
+            owner="infrastructure",
+            check="no switch between the counters",
+        ),
+    }
 
 
 def _beside(own: Parts, one: Slot) -> Bool:

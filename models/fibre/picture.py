@@ -30,7 +30,7 @@ def area_picture(sections: int) -> Waterfall:
     """Return the picture of a train in a line area: reported front, both ends, modes, and virtual sections."""
     ends = [NamedInterval(f"{end} located", _reported(end, "valid")) for end in ("front", "rear")]
     numbers = range(1, sections + 1)
-    names = ("front", "rear", "emitter", "verification")
+    names = ("axle_section", "train_order", "front", "rear", "emitter", "verification")
     return Waterfall(
         "Fibre area",
         loud,

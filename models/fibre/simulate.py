@@ -41,7 +41,7 @@ class Drive:
 
     speeds_mm_s  speed of every cycle, negative: backwards
     missed       numbers of sections whose amplitude does not change; false_mm: places where it changes without a section
-    referred     a reference is accepted in the first cycle; otherwise the code has to give the place
+    referred     a reference is accepted in cycle number `refers_in`; otherwise the code has to give the place
     flight_off_mm  error of the time of flight; None: it is not measured
     points_mm    reflecting points that coincide when the front is near them
     start_mm     position of the end before the first cycle; stuck_mm: stretch in which the amplitude stays raised
@@ -51,6 +51,7 @@ class Drive:
     missed: tuple[int, ...] = ()
     false_mm: tuple[int, ...] = ()
     referred: bool = True
+    refers_in: int = 0
     flight_off_mm: int | None = 0
     points_mm: tuple[int, ...] = ()
     start_mm: int = 0
@@ -107,10 +108,13 @@ class _Run:
         self.truth_nm += true_run
         inside = self._section(self.truth_nm // NM_PER_MM)
         inputs = self._inputs(true_run, inside) | self._map() | self._references(number)
-        ghosts = self._ghosts(inside, speed_mm_s >= 0, true_run, number == 0 and self.drive.referred)
+        ghosts = self._ghosts(inside, speed_mm_s >= 0, true_run, self._is_referred(number))
         self.inside = inside
         self.state, _ = self.code.step(self.state, self.code.read(inputs))
         return {**inputs, **ghosts, "truth_mm": self.truth_nm // NM_PER_MM}
+
+    def _is_referred(self, number: int) -> bool:
+        return self.drive.referred and number == self.drive.refers_in
 
     def _section(self, front_mm: int) -> int:
         """Return the number of the section that the amplitude shows; -1 for a false one, 0 for none."""
@@ -161,7 +165,7 @@ class _Run:
             section = self.sections[last - 1]
             place, count = (section.high_mm, last) if direction > 0 else (section.low_mm, last - 1)
         return {
-            "reference_accepted": number == 0 and self.drive.referred, "reference_count": 0,
+            "reference_accepted": self._is_referred(number), "reference_count": 0,
             "reference_position_mm": self.truth_nm // NM_PER_MM,
             "word_found": found is not None, "word_count": count, "word_position_mm": place,
         }  # fmt: skip

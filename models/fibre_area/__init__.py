@@ -1,8 +1,10 @@
 """A train in a line area, from backscatter to virtual sections, as one step (FWG-1 to FVA-18).
 
+    axle_section  axles counted in and out at both ends: clear, or not; its resets       models.axle_section
+    entry         the train is counted in; its reference comes, or is overdue            fibre_area.entry
+    train_order   trains in their order; which of the fibre's patterns is this train's   models.train_order
     front, rear   fibre machines of the train's ends: position code, count, error F      models.fibre
     emitter       function check of the fibre chain                                      models.emitter
-    entry         the train is counted in; its reference comes, or is overdue            fibre_area.entry
     verification  both ends against the entry record, over the whole stay                models.verification
     report        ends of the pattern that are the train's, which may have parted        fibre_area.report
     area          intervals of all trains of the area, and bounds of uncounted vehicles  models.area
@@ -19,22 +21,18 @@ Inputs of a cycle, by name; all others are wired:
                                    ahead_*, behind_*, reference_accepted, reference_count, reference_position_mm,
                                    word_found, word_count, word_position_mm
     emitter.heard_pattern, emitter.heard_place_mm, emitter.test_requested
-    entry.event                    the axle counters at the area's ends: this train enters, or its running part has left
-    entry.axles_in, .axles_out     axles of this train counted in this cycle, into the area and out of it; absent in disturbance
-    entry.reference_comes          sender of the record that comes for this train in this cycle: NOBODY, AXLE_COUNTER or NEIGHBOUR
     verification.record_*          that record: sound, axles, length, speed, place of the front, age
-    verification.associated        a pattern belongs to this train, by order on the track (models.train_order)
-    verification.fibre_axles, fibre_length_mm, fibre_speed_mm_s       the detector's readings of the pattern
+    verification.fibre_axles, fibre_length_mm, fibre_speed_mm_s       the detector's readings of this train's pattern
     verification.control_*         data from train control on the train
     report.reading_age_ms          age of this cycle's readings
-    area.counters_healthy, area.counters_clear                        both counters of the area
-    area.train_k_*  (k from 2)     event, rear_mm, front_mm, report_age_ms, trusted, integer, downwards
+    area.train_k_*  (k from 2)     rear_mm, front_mm, report_age_ms, trusted, integer, downwards
 
 Outputs, by name: `verification.trusted`, `.position_mm`, `.margin_above_mm`, `.margin_below_mm`, `.revoked`, `.reason`, `.verified_*`,
 `.handover_*` (the record for the neighbour); `front.error`, `rear.error` (F) with their reasons; `emitter.failed`; `report.*`;
 `section_n.clear` and its evidence. Each machine has further outputs for its state.
 
-The axle counter itself is no part of the step: it works ten times as often, and sends a record when a train has passed.
+The axle counter that makes the record is no part of the step: it works five times as often, and sends a record when a train has passed
+(models.counted_entry).
 """
 
 from __future__ import annotations
@@ -44,33 +42,45 @@ from dataclasses import dataclass
 from pydantic import model_validator
 
 from safeloc.config import Config, quantity
-from safeloc.language.composition import Composition, compose
+from safeloc.language.composition import Clause, Composition, compose
 from safeloc.language.expr import (
     Bool,
+    BoolVar,
     Expr,
     Num,
     Var,
     all_of,
+    any_of,
     as_num,
+    before,
     between,
     ceil_to,
+    exact_to,
     floor_to,
     ite,
+    maximum,
+    minimum,
 )
 from safeloc.language.units import MM, UM
 from safeloc.models import area as area_model
+from safeloc.models import axle_section as axle_section_model
 from safeloc.models import emitter as emitter_model
 from safeloc.models import fibre as fibre_model
+from safeloc.models import train_order as train_order_model
 from safeloc.models import verification as verification_model
 from safeloc.models.area import Area, AreaConfig, refuse_inner_detection
 from safeloc.models.area.separation import Following
+from safeloc.models.area.world import CLEAR_CLAUSE
+from safeloc.models.axle_section import AxleSection, AxleSectionConfig
 from safeloc.models.emitter import Emitter, EmitterConfig
 from safeloc.models.fibre import Fibre, FibreConfig
+from safeloc.models.fibre_area import entry as entry_model
 from safeloc.models.fibre_area import report as report_model
-from safeloc.models.fibre_area.entry import Entry, entry
+from safeloc.models.fibre_area.entry import EMPTY, EXACT, THIS, Entry
 from safeloc.models.fibre_area.parting import PartingConfig, ReportedRun
 from safeloc.models.fibre_area.report import Report
 from safeloc.models.sections import Section, SectionsConfig, section, section_wires
+from safeloc.models.train_order import TrainOrder, TrainOrderConfig
 from safeloc.models.verification import Verification, VerificationConfig
 from safeloc.models.vocabulary.absent import wired_interval
 
@@ -78,6 +88,7 @@ from safeloc.models.vocabulary.absent import wired_interval
 class FibreAreaConfig(Config):
     """Configurations of the machines in the step; all of them have one cycle."""
 
+    axle_section: AxleSectionConfig = AxleSectionConfig()
     fibre: FibreConfig = FibreConfig()
     emitter: EmitterConfig = EmitterConfig()
     verification: VerificationConfig = VerificationConfig()
@@ -114,10 +125,12 @@ class FibreArea:
     """The machines, and their composition."""
 
     config: FibreAreaConfig
+    axle_section: AxleSection
+    entry: Entry
+    order: TrainOrder
     front: Fibre
     rear: Fibre
     emitter: Emitter
-    entry: Entry
     verification: Verification
     report: Report
     area: Area
@@ -133,16 +146,28 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
     front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
     pattern_limit_um = front.own.ghosts.truth.high // 1_000 + 1
     machines = (
+        axle_section_model.build(axle_section_model.parts(config.axle_section)),
+        entry_model.build(entry_parts(config)),
+        train_order_model.build(train_order_model.parts(TrainOrderConfig(trains=config.sections.area.trains))),
         front,
         rear,
         emitter_model.build(emitter_model.parts(config.emitter)),
-        entry(config.record_wait_cycles, config.verification.axle_limit),
         verification_model.build(verification_model.parts(config.verification), place_kept=True),
         report_model.build(_report_parts(config, pattern_limit_um)),
         area_model.build(area_parts, kept=first, counted_out=first),
     )
     cuts = tuple(section(config.sections, f"section_{n}") for n in range(1, config.sections.sections + 1))
     return joined(config, *machines, cuts)
+
+
+def entry_parts(config: FibreAreaConfig) -> entry_model.Parts:
+    """Return the variables of the entry, in the ranges of the machines beside it."""
+    return entry_model.parts(
+        trains=config.sections.area.trains,
+        wait_cycles=config.record_wait_cycles,
+        axle_limit=config.verification.axle_limit,
+        axles_a_cycle=config.axle_section.axles_a_cycle,
+    )
 
 
 def reported_run(fibre: FibreConfig) -> ReportedRun:
@@ -159,10 +184,12 @@ def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_mode
 
 def joined(
     config: FibreAreaConfig,
+    axle_section: AxleSection,
+    entry: Entry,
+    order: TrainOrder,
     front: Fibre,
     rear: Fibre,
     emitter: Emitter,
-    entry_: Entry,
     verification: Verification,
     report: Report,
     area: Area,
@@ -170,15 +197,59 @@ def joined(
 ) -> FibreArea:
     """Return the given machines, wired."""
     wires: dict[Var, Expr] = {
-        **_verification_wires(verification, front, rear, emitter, entry_),
-        **_report_wires(config, report, front, rear, verification, entry_),
-        **_area_wires(area, report, entry_),
+        **_entry_wires(entry, axle_section, order),
+        **_order_wires(order, axle_section, entry),
+        **_verification_wires(verification, front, rear, emitter, entry, order),
+        **_report_wires(config, report, front, rear, verification, entry, order),
+        **_area_wires(area, report, entry, axle_section),
     }
     for one in sections:
         wires |= section_wires(area, one)
-    machines = [front.machine, rear.machine, emitter.machine, entry_.machine, verification.machine, report.machine]
-    composition = compose("fibre_area", [*machines, area.machine, *(one.machine for one in sections)], wires)
-    return FibreArea(config, front, rear, emitter, entry_, verification, report, area, sections, composition)
+    first = [axle_section.machine, entry.machine, order.machine, front.machine, rear.machine, emitter.machine]
+    then = [verification.machine, report.machine, area.machine, *(one.machine for one in sections)]
+    composition = compose(
+        "fibre_area",
+        [*first, *then],
+        wires,
+        discharge=[Clause(entry.machine, EXACT), Clause(entry.machine, EMPTY), Clause(area.machine, CLEAR_CLAUSE)],
+    )
+    return FibreArea(
+        config, axle_section, entry, order, front, rear, emitter, verification, report, area, sections, composition
+    )
+
+
+def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> dict[Var, Expr]:
+    """Return the wires of the entry: counted axles, and the trains that were outermost, by the order before the step."""
+    own, heads = entry.own, axle_section.own
+    ordered = before(order.machine.mode).eq(order.machine.modes[1])
+    low, *others = (before(one) for one in order.own.order)
+    high: Num = low
+    for one in others:
+        high = ite(one.ne(0), one, high)
+    return {
+        own.clear: axle_section.machine.flag("clear"),
+        own.axle_between: heads.axles > 0,
+        own.counters_count: axle_section.machine.flag("healthy") & ordered,
+        **{to: maximum(minimum(rank, to.high), 0) for to, rank in zip(own.outermost, (low, high), strict=True)},
+        **dict(zip(own.axles_in, heads.into, strict=True)),
+        **dict(zip(own.axles_out, heads.out, strict=True)),
+        **dict(zip(own.passed_in, heads.true_into, strict=True)),
+        **dict(zip(own.passed_out, heads.true_out, strict=True)),
+    }
+
+
+def _order_wires(order: TrainOrder, axle_section: AxleSection, entry: Entry) -> dict[Var, Expr]:
+    """Return the wires of the order: a train that left a part behind has not left."""
+    own, passes = order.own, entry.own
+    left = [out & (last.ne(THIS) | passes.left) for out, last in zip(passes.leaves, passes.outermost, strict=True)]
+    return {
+        own.enters_low: passes.enters[0],
+        own.enters_high: passes.enters[1],
+        own.leaves_low: left[0],
+        own.leaves_high: left[1],
+        own.clear: axle_section.machine.flag("clear"),
+        own.fault: ~axle_section.machine.flag("healthy"),
+    }
 
 
 def ends(fibre: Fibre) -> tuple[Num, Num]:
@@ -188,7 +259,7 @@ def ends(fibre: Fibre) -> tuple[Num, Num]:
 
 
 def _verification_wires(
-    verification: Verification, front: Fibre, rear: Fibre, emitter: Emitter, entry_: Entry
+    verification: Verification, front: Fibre, rear: Fibre, emitter: Emitter, entry: Entry, order: TrainOrder
 ) -> dict[Var, Expr]:
     """Return the wires of the verification: front's interval, while both ends are located; F of either; emitter; reference."""
     own, config = verification.own, verification.own.config
@@ -215,9 +286,10 @@ def _verification_wires(
         own.fibre_error: front.machine.flag("error") | rear.machine.flag("error"),
         own.chain_tested: emitter.machine.flag("chain_tested"),
         own.chain_failed: emitter.machine.flag("failed"),
-        own.due: entry_.due,
-        own.reference_from: entry_.source,
-        own.leaves: entry_.leaves,
+        own.due: entry.own.due,
+        own.reference_from: entry.own.source,
+        own.leaves: entry.own.left,
+        own.associated: any_of(one.eq(THIS) for one in order.own.belongs),
         own.next_truth: front.own.ghosts.truth,
     }
     seen = {own.fibre_position.value: position, own.fibre_margin_above: above, own.fibre_margin_below: below}
@@ -226,7 +298,13 @@ def _verification_wires(
 
 
 def _report_wires(
-    config: FibreAreaConfig, report: Report, front: Fibre, rear: Fibre, verification: Verification, entry_: Entry
+    config: FibreAreaConfig,
+    report: Report,
+    front: Fibre,
+    rear: Fibre,
+    verification: Verification,
+    entry: Entry,
+    order: TrainOrder,
 ) -> dict[Var, Expr]:
     """Return the wires of the report machine: both ends of the pattern, its run, and the match of its count in this cycle."""
     own, verified, limit = report.own, verification.own, config.sections.area.limit_mm
@@ -239,7 +317,7 @@ def _report_wires(
     return {
         own.trusted: trusted,
         own.count_matches_now: trusted & verified.by_count & verified.verified_ago.eq(0),
-        own.gone: entry_.leaves,
+        own.gone: entry.own.left,
         own.usable: usable,
         own.low: _if(usable, low),
         own.high: _if(usable, high),
@@ -252,15 +330,27 @@ def _report_wires(
         own.pattern_rear: floor_to(rear.own.ghosts.truth, UM),
         own.pattern_front: ceil_to(front.own.ghosts.truth, UM),
         own.count_had_all_axles: known & verified.axles.eq(verified.stored_axles),
+        own.pattern_is_the_trains: any_of(_holds_this_train(order, rank) for rank in range(len(order.own.belongs))),
     }
 
 
-def _area_wires(area: Area, report: Report, entry_: Entry) -> dict[Var, Expr]:
-    """Return the wires of the area: the report of slot 1, its event, and the train's true ends."""
+def _holds_this_train(order: TrainOrder, rank: int) -> Bool:
+    """Return the condition that the pattern belongs to this train, and that the train is in it."""
+    low, high = exact_to(order.own.lows[rank], UM), exact_to(order.own.highs[rank], UM)
+    return order.own.belongs[rank].eq(THIS) & between(low, order.own.trains[THIS - 1].place, high)
+
+
+def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSection) -> dict[Var, Expr]:
+    """Return the wires of the area: counters, events of all trains, the report of slot 1, and that train's true ends."""
     slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
+    assert isinstance(area.own.axle_between, BoolVar)
     return {
-        slot.event: entry_.passed_on,
-        slot.next_all_out: entry_.next_inside.eq(0),
+        area.own.healthy: axle_section.machine.flag("healthy"),
+        area.own.clear: axle_section.machine.flag("clear"),
+        area.own.axle_between: axle_section.own.axles > 0,
+        **{other.event: entry.own.event(other.number) for other in area.own.slots[1:]},
+        slot.event: entry.own.passed_on,
+        slot.next_all_out: entry.own.next_inside.eq(0),
         slot.rear.present: reported,
         slot.front.present: reported,
         slot.rear.value: report.machine.output("low_mm"),

@@ -1,33 +1,35 @@
-"""Entry of a train into the area, its reference, and its complete exit (FVA-2, FVA-D1; figures, 003 items 3 and 14).
+"""Trains at both ends of the area: entry of this train, its reference, and its complete exit (FVA-2, FVA-D1; figures, 003 items 3 and 14).
 
     OUTSIDE  the train is not in the area
     AWAITED  it was counted in; its reference has to come within `record_wait_cycles`
     TOLD     its reference came
     MISSING  its reference did not come in time
 
+The counters report that a train comes in, with its number from train control, or that one has passed out; which one that is follows
+from the order of the trains. So do the axles: those that pass at an end belong to the train that is the outermost there.
+
 A reference is an axle counter's record, or the record handed over by the neighbouring area. It is due in the cycle in
 which it comes, or in which it is overdue; then its sender is NOBODY. The verification accepts or refuses it.
 
 A train has left when the counters report its exit and as many of its axles were counted out as in since it entered, in every
 cycle by undisturbed counters. If fewer axles leave, the train has left a part behind: its exit is not passed on until the
-rest is counted out too. The area also clears the train when undisturbed counters report an empty area.
+rest is counted out too. It has left as well when undisturbed counters report an empty area.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from functools import cached_property
 
 from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     FALSE,
     TRUE,
     Bool,
-    BoolVar,
     Lit,
     Num,
-    NumVar,
-    Optional,
+    all_of,
+    any_of,
     as_num,
     between,
     boolean,
@@ -35,184 +37,225 @@ from safeloc.language.expr import (
     enumeration,
     ite,
     number,
-    optional,
 )
-from safeloc.language.machine import Machine, Transition, current_mode, modes
+from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law
-from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, EVENT, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
 from safeloc.models.verification.variables import AXLE_COUNTER, FROM, NEIGHBOUR, NOBODY
 
 REQUIREMENTS = ("FVA-2", "FVA-11", "FVA-D1")
+THIS = 1
+"The number of this train; 0 is none."
+EXACT = "undisturbed counters count every axle"
+EMPTY = "clear counters have no axle between them"
+"The laws that the axle section guarantees."
 
 
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """The machine and its variables.
+class Parts:
+    """The variables of the machine. Pairs are of the low and of the high end.
 
-    event   the axle counters at both ends: this train enters, or its running part has left
-    comes   sender of the reference that comes for this train in this cycle; NOBODY: none comes
-    axles_in, axles_out  axles of the train that the counters at both ends counted in this cycle, into the area and out of it;
-                         absent while a counter is disturbed
-    waited  cycles since it was counted in without a reference
-    due, source  messages to the verification
-    inside, sure  axles counted in and not out again; no count of them was missed
+    enters     number of the train that comes in at this end in this cycle, by train control
+    leaves     the running part of a train has passed out at this end in this cycle
+    outermost  number of the train that was the outermost at this end before the cycle, by the order of trains
+    comes      sender of the reference that comes for this train in this cycle; NOBODY: none comes
+    clear      the counters are undisturbed, and no axle is counted in
+    counters_count  the counters are undisturbed, and the order of trains is known
+    axles_in, axles_out  axles that the counter at this end counted in this cycle, into the area and out of it
+    waited     cycles since this train was counted in without a reference
+    due, source   messages to the verification
+    inside, sure  axles of this train counted in and not out again; no count of them was missed
     left, in_part  in this cycle the whole train has left; a part of it left, and axles are still inside
-    true_axles_inside   ghost: the train's axles in the area, with every part that it lost
+    true_axles_inside   ghost: this train's axles in the area, with every part that it lost
+    passed_in, passed_out  ghosts: axles that really pass at this end in this cycle
+    axle_between  ghost: after the cycle an axle is between the counters
     """
 
-    machine: Machine
-    event: NumVar
-    comes: NumVar
-    axles_in: Optional
-    axles_out: Optional
-    waited: NumVar
-    due: BoolVar
-    source: NumVar
-    inside: NumVar
-    sure: BoolVar
-    left: BoolVar
-    in_part: BoolVar
-    true_axles_inside: NumVar
-    next_inside: NumVar
+    def __init__(self, trains: int, wait_cycles: int, axle_limit: int, axles_a_cycle: int) -> None:
+        self.declared = declared = Declared()
+        sides, most = ("low", "high"), axles_a_cycle
+        self.enters = tuple(declared.sensor(number(f"enters_{side}", COUNT, 0, trains)) for side in sides)
+        self.leaves = tuple(declared.sensor(boolean(f"leaves_{side}")) for side in sides)
+        self.outermost = tuple(declared.sensor(number(f"outermost_{side}", COUNT, 0, trains)) for side in sides)
+        self.comes = declared.sensor(choice("reference_comes", enumeration(FROM)))
+        self.clear = declared.sensor(boolean("counters_clear"))
+        self.counters_count = declared.sensor(boolean("counters_count"))
+        self.axles_in = tuple(declared.sensor(number(f"axles_in_{side}", COUNT, 0, most)) for side in sides)
+        self.axles_out = tuple(declared.sensor(number(f"axles_out_{side}", COUNT, 0, most)) for side in sides)
+        self.waited = declared.state(number("waited_cycles", COUNT, 0, wait_cycles), first=0)
+        self.due = declared.state(boolean("due"), first=False)
+        self.source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
+        self.inside = declared.state(number("axles_inside", COUNT, 0, axle_limit), first=0)
+        self.sure = declared.state(boolean("count_is_sure"), first=True)
+        self.left = declared.state(boolean("left"), first=False)
+        self.in_part = declared.state(boolean("left_in_part"), first=False)
+        self.truly = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
+        self.next_inside = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
+        self.passed_in = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in sides)
+        self.passed_out = tuple(declared.choice(number(f"true_axles_out_{side}", COUNT, 0, most)) for side in sides)
 
-    @property
-    def leaves(self) -> Bool:
-        """All of the train has left in this cycle."""
-        return self.left
+        self.axle_between = declared.choice(boolean("axle_between"))
 
-    @property
-    def passed_on(self) -> Num:
-        """The event for the area: a train that left a part behind has not left."""
-        leaving = self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
-        return ite(leaving & ~self.left, NO_EVENT, self.event)
+    # -------------------------------------------------------------- the train of a cycle
 
+    def event(self, train: int) -> Num:
+        """Return the event of one train at either end; one that passes out is the outermost there."""
+        low, high = ((came.eq(train), out & last.eq(train)) for came, out, last in self._ends)
+        leaves = ite(high[1], LEAVES_HIGH, NO_EVENT)
+        leaves = ite(low[1], LEAVES_LOW, leaves)
+        return ite(low[0], ENTERS_LOW, ite(high[0], ENTERS_HIGH, leaves))
 
-@dataclass(frozen=True, eq=False)
-class EntryInputs:
-    """The inputs, and the balance of axles before the cycle."""
+    @cached_property
+    def _ends(self) -> tuple[tuple[Num, Bool, Num], ...]:
+        return tuple(zip(self.enters, self.leaves, self.outermost, strict=True))
 
-    event: NumVar
-    comes: NumVar
-    axles_in: Optional
-    axles_out: Optional
-    inside: NumVar
-    sure: BoolVar
-    in_part: BoolVar
+    @cached_property
+    def enters_now(self) -> Bool:
+        """This train is counted in."""
+        return self.event(THIS).one_of(ENTERS_LOW, ENTERS_HIGH)
 
-    @property
+    @cached_property
     def leaving(self) -> Bool:
-        """The counters report that the running part of the train has left."""
-        return self.event.one_of(LEAVES_LOW, LEAVES_HIGH)
+        """The running part of this train has passed out."""
+        return self.event(THIS).one_of(LEAVES_LOW, LEAVES_HIGH)
 
-    @property
-    def enters(self) -> Bool:
-        """The train is counted in."""
-        return self.event.one_of(ENTERS_LOW, ENTERS_HIGH)
+    def of_this(self, axles: tuple[Num, ...]) -> Num:
+        """Return how many of the axles at both ends are this train's: it is the outermost there, or comes in there."""
+        mine = [came.eq(THIS) | last.eq(THIS) for came, _, last in self._ends]
+        low, high = (ite(own, count, as_num(0, COUNT)) for own, count in zip(mine, axles, strict=True))
+        return low + high
 
-    @property
+    @cached_property
     def balance(self) -> Num:
         """Axles counted in and not out; of a train that enters, counted from zero."""
-        return ite(self.enters, 0, self.inside) + self.axles_in.value - self.axles_out.value
+        return ite(self.enters_now, 0, self.inside) + self.of_this(self.axles_in) - self.of_this(self.axles_out)
 
-    @property
+    @cached_property
     def counted(self) -> Bool:
         """The balance is sure after the cycle."""
-        counted_now = self.axles_in.present & self.axles_out.present & between(0, self.balance, self.inside.high)
-        return (self.enters | self.sure) & counted_now
+        possible = between(0, self.balance, self.inside.high)
+        return (self.enters_now | self.sure) & self.counters_count & possible
 
-    @property
+    @cached_property
     def complete(self) -> Bool:
         """Every axle that came in is out."""
         return self.leaving & self.counted & self.balance.eq(0)
 
+    @cached_property
+    def emptied(self) -> Bool:
+        """The counters report an empty area, in which axles were before: the train's, or it is not known whose."""
+        return self.clear & ~self.enters_now & ((self.inside > 0) | ~self.sure)
 
-def entry(wait_cycles: int, axle_limit: int) -> Entry:
-    """Return the machine of one train of up to `axle_limit` axles."""
+    @property
+    def passed_on(self) -> Num:
+        """The event for the area: a train that left a part behind has not left."""
+        return ite(self.leaving & ~self.left, NO_EVENT, self.event(THIS))
+
+
+Entry = Model[Parts]
+
+
+def parts(*, trains: int, wait_cycles: int, axle_limit: int, axles_a_cycle: int) -> Parts:
+    """Return fresh variables of one train of up to `axle_limit` axles, the first of `trains`."""
+    return Parts(trains, wait_cycles, axle_limit, axles_a_cycle)
+
+
+def build(own: Parts) -> Entry:
+    """Return the machine over the given variables."""
     table = modes("OUTSIDE", "AWAITED", "TOLD", "MISSING")
-    declared = Declared()
-    event = declared.sensor(choice("event", enumeration(EVENT)))
-    comes = declared.sensor(choice("reference_comes", enumeration(FROM)))
-    axles_in = declared.sensor(optional("axles_in", COUNT, 0, axle_limit))
-    axles_out = declared.sensor(optional("axles_out", COUNT, 0, axle_limit))
-    waited = declared.state(number("waited_cycles", COUNT, 0, wait_cycles), first=0)
-    due = declared.state(boolean("due"), first=False)
-    source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
-    inside = declared.state(number("axles_inside", COUNT, 0, axle_limit), first=0)
-    sure = declared.state(boolean("count_is_sure"), first=True)
-    left = declared.state(boolean("left"), first=False)
-    in_part = declared.state(boolean("left_in_part"), first=False)
-    truly = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
-    next_truly = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
     current = current_mode(table)
-    entry = EntryInputs(event, comes, axles_in, axles_out, inside, sure, in_part)
-    machine = declared.machine(
+    machine = own.declared.machine(
         name="entry",
         modes=table,
         outputs={
-            "reference_due": due,
-            "reference_from": source,
+            "reference_due": own.due,
+            "reference_from": own.source,
             "in_area": current.ne(table[0]),
             "reference_missing": current.eq(table[3]),
-            "waited_cycles": waited,
-            "axles_inside": inside,
-            "left": left,
-            "left_in_part": in_part,
+            "waited_cycles": own.waited,
+            "axles_inside": own.inside,
+            "left": own.left,
+            "left_in_part": own.in_part,
         },
-        transitions=list(_table(table, entry, waited, due, source, left)),
-        world=declared.world(
-            moves={truly: next_truly},
-            clauses=_clauses(entry, truly, next_truly),
-        ),
+        transitions=list(_table(own, table)),
+        world=own.declared.world(moves={own.truly: own.next_inside}, clauses=_clauses(own)),
         lemmas={
-            "nothing is due from nobody but once": (due & source.eq(NOBODY)).implies(current.eq(table[3])),
-            "a sure balance is true": sure.implies(inside.eq(truly)),
+            "nothing is due from nobody but once": (own.due & own.source.eq(NOBODY)).implies(current.eq(table[3])),
+            "a sure balance is true": own.sure.implies(own.inside.eq(own.truly)),
         },
         doc="Entry of a train, arrival of its reference or the lack of it, and its exit with as many axles as came in.",
     )
-    balance = (inside, sure, left, in_part, truly, next_truly)
-    return Entry(machine, event, comes, axles_in, axles_out, waited, due, source, *balance)
+    return Entry(machine, own)
 
 
-def _clauses(entry: EntryInputs, truly: NumVar, next_truly: NumVar) -> dict[str, Law]:
-    came, went = entry.axles_in, entry.axles_out
-    there = ite(entry.event.one_of(ENTERS_LOW, ENTERS_HIGH), 0, truly)
+def _clauses(own: Parts) -> dict[str, Law]:
+    counted, passed = (*own.axles_in, *own.axles_out), (*own.passed_in, *own.passed_out)
+    there = ite(any_of(came.eq(THIS) for came in own.enters), 0, own.truly)
+    came, went = (_of_the_outermost(own, axles) for axles in (own.passed_in, own.passed_out))
     return {
-        "undisturbed counters count every axle": Law(
-            (came.present & went.present).implies((next_truly - there).eq(came.value - went.value)),
-            "In each cycle, undisturbed counters at both ends report how many axles of the train came into the "
-            "area and left it. A train that enters had no axle in it before.",
-            source="[S] FVA-4: the sensor is safe; [D] proved of the axle counter and the axle section under their own laws",
+        EXACT: Law(
+            own.counters_count.implies(all_of(one.eq(true) for one, true in zip(counted, passed, strict=True))),
+            "In each cycle, undisturbed counters report how many axles passed at either end, into the area and out of it.",
+            source="[S] FVA-4: the sensor is safe; [D] the law of the axle section, which hears the same counters",
             owner="supplier",
-            check="the axles of every train at both ends",
+            check="counts of neighbouring sections compared",
+        ),
+        EMPTY: Law(
+            own.clear.implies(~own.axle_between),
+            "Undisturbed counters report an empty area only if no axle is between them.",
+            source="[S] FVA-4: the sensor is safe; [D] proved of the axle section under its own laws",
+            owner="supplier",
+            check="safety case of the counters",
+        ),
+        "the train's axles in the area are between the counters": Law(
+            (own.next_inside > 0).implies(own.axle_between),
+            "An axle of this train in the area is an axle between its counters.",
+            source="[D] a definition of the area",
+            owner="nobody",
+        ),
+        "the axles at an end are those of the outermost train": Law(
+            own.counters_count.implies((own.next_inside - there).eq(came - went)),
+            "While the order of trains is known, the axles that pass at an end are those of the train that is the outermost there, or that "
+            "comes in there, and those of parts that it lost; no other one of its axles comes or goes. A train that comes in had none inside.",
+            source="[D] one track: no vehicle passes another, and two trains are more than a cycle apart",
+            owner="infrastructure",
+            check="no switch between the counters; headway",
         ),
     }
 
 
-def _table(
-    table: tuple[Lit, ...], entry: EntryInputs, waited: NumVar, due: BoolVar, source: NumVar, left: BoolVar
-) -> Iterator[Transition]:
+def _of_the_outermost(own: Parts, axles: tuple[Num, ...]) -> Num:
+    """Return the axles at those ends at which this train comes in, or was the outermost."""
+    total = as_num(0, COUNT)
+    for came, last, count in zip(own.enters, own.outermost, axles, strict=True):
+        total = total + ite(last.eq(THIS) | came.eq(THIS), count, 0)
+    return total
+
+
+def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     outside, awaited, referenced, missing = table
     stays: Updates = {
-        entry.inside: ite(entry.counted, entry.balance, as_num(0, COUNT)),
-        entry.sure: entry.counted,
-        left: FALSE,
-        entry.in_part: ~entry.enters & (entry.in_part | entry.leaving),
+        own.inside: ite(own.counted, own.balance, as_num(0, COUNT)),
+        own.sure: own.counted,
+        own.left: FALSE,
+        own.in_part: ~own.enters_now & (own.in_part | own.leaving),
     }
-    gone: Updates = {entry.inside: 0, entry.sure: TRUE, left: TRUE, entry.in_part: FALSE}
-    not_due: Updates = {due: False, source: NOBODY}
-    answered = together(stays, {waited: 0, due: True, source: entry.comes})
-    overdue = together(stays, {waited: 0, due: True, source: NOBODY})
-    waits = together(stays, not_due, {waited: waited + 1})
-    same = together(stays, not_due, {waited: 0})
-    left_now = together(gone, not_due, {waited: 0})
-    came = entry.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
-    yield Transition("train leaves", table, outside, entry.complete, left_now, REQUIREMENTS, 0)
-    yield Transition("reference comes", table, referenced, came, answered, REQUIREMENTS, 1)
-    yield Transition("train enters", table, awaited, entry.enters, same, REQUIREMENTS, 2)
-    yield Transition("reference overdue", awaited, missing, waited >= waited.high, overdue, REQUIREMENTS, 3)
-    yield Transition("wait for the reference", awaited, awaited, TRUE, waits, REQUIREMENTS, 4)
-    yield Transition("train is not here", outside, outside, TRUE, same, REQUIREMENTS, 4)
-    yield Transition("reference is known", referenced, referenced, TRUE, same, REQUIREMENTS, 4)
-    yield Transition("reference is missing", missing, missing, TRUE, same, REQUIREMENTS, 4)
+    gone: Updates = {own.inside: 0, own.sure: TRUE, own.left: TRUE, own.in_part: FALSE}
+    not_due: Updates = {own.due: False, own.source: NOBODY}
+    answered = together(stays, {own.waited: 0, own.due: True, own.source: own.comes})
+    overdue = together(stays, {own.waited: 0, own.due: True, own.source: NOBODY})
+    waits = together(stays, not_due, {own.waited: own.waited + 1})
+    same = together(stays, not_due, {own.waited: 0})
+    left_now = together(gone, not_due, {own.waited: 0})
+    came = own.comes.one_of(AXLE_COUNTER, NEIGHBOUR)
+    there = (awaited, referenced, missing)
+    yield Transition("train leaves", table, outside, own.complete, left_now, REQUIREMENTS, 0)
+    yield Transition("area is empty", there, outside, own.emptied, left_now, REQUIREMENTS, 1)
+    yield Transition("reference comes", table, referenced, came, answered, REQUIREMENTS, 2)
+    yield Transition("train enters", table, awaited, own.enters_now, same, REQUIREMENTS, 3)
+    yield Transition("reference overdue", awaited, missing, own.waited >= own.waited.high, overdue, REQUIREMENTS, 4)
+    yield Transition("wait for the reference", awaited, awaited, TRUE, waits, REQUIREMENTS, 5)
+    yield Transition("train is not here", outside, outside, TRUE, same, REQUIREMENTS, 5)
+    yield Transition("reference is known", referenced, referenced, TRUE, same, REQUIREMENTS, 5)
+    yield Transition("reference is missing", missing, missing, TRUE, same, REQUIREMENTS, 5)

@@ -65,6 +65,7 @@ class Parts:
 
     pattern_rear, pattern_front  the pattern's ends, rounded outward
     count_had_all_axles           the count in this cycle's verification is that of a train with all axles of the reference
+    pattern_is_the_trains  the pattern that is taken for this train's is this train's
     rear_is_the_trains, front_is_the_trains   no vehicle was lost at the pattern's low (high) end
     run_since_complete             run since the train was last whole, both directions added up
     body_rear, body_front  ends of the train as if it had lost no vehicle
@@ -113,6 +114,7 @@ class Parts:
         self.pattern_rear = declared.choice(number("pattern_rear_um", UM, -pattern, pattern))
         self.pattern_front = declared.choice(number("pattern_front_um", UM, -pattern, pattern))
         self.count_had_all_axles = declared.choice(boolean("count_had_all_axles"))
+        self.pattern_is_the_trains = declared.choice(boolean("pattern_is_the_trains"))
         self.next_rear_is_the_trains = declared.choice(boolean("next_rear_is_the_trains"))
         self.next_front_is_the_trains = declared.choice(boolean("next_front_is_the_trains"))
         self.next_body_rear = declared.choice(number("next_body_rear_um", UM, -body, body))

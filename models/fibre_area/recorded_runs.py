@@ -34,7 +34,7 @@ SERVICE = Journey(cycles=180, area_mm=LONG)
 SPLIT = Journey(cycles=200, area_mm=LONG, cuts_mm=((700_000, 1_200_000),), split=60)
 """The last wagons come off at 1.2 km and stand; the count tells it 800 m later, the longest that it may take."""
 TURNED_BACK = Journey(
-    cycles=255, enters=3, speeds_mm_s=((0, 30_000), (86, -30_000)), swept=True, record=20, area_mm=LONG,
+    cycles=255, enters=3, speeds_mm_s=((0, 30_000), (86, -30_000)), record=20, area_mm=LONG,
     cuts_mm=((1_300_000, 1_600_000),),
 )  # fmt: skip
 """It turns at 1.5 km and leaves where it came in."""

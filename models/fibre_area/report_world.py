@@ -58,8 +58,8 @@ def _clauses(own: Parts) -> dict[str, Law]:
 
 def _count(own: Parts) -> Law:
     return Law(
-        own.count_had_all_axles.implies(own.next_counts),
-        "A count with all axles of the reference is that of the whole train at some moment within the last run "
+        (own.pattern_is_the_trains & own.count_had_all_axles).implies(own.next_counts),
+        "A count with all axles of the reference, of this train's pattern, is that of the whole train at some moment within the last run "
         "over which the detector keeps one count: no matter how long the train stood, or where it turned.",
         ("count_run_mm",),
         "[D] safeloc.sensing.fibre, Counting: two profiles of 300 m and what lies between; [S] FVA-3",
@@ -74,7 +74,7 @@ def _part(own: Parts) -> Law:
     )
     inside = (own.next_body_rear <= own.pattern_rear) & (own.pattern_front <= own.next_body_front)
     return Law(
-        (~own.next_complete & own.next_counts).implies(moved & inside),
+        (~own.next_complete & own.next_counts).implies(moved & own.pattern_is_the_trains.implies(inside)),
         "A train runs as one body; after it lost vehicles its pattern is what is left of that body.",
         source="[D] vehicles do not stretch; a part that stands does not shake the ground",
         owner="nobody",

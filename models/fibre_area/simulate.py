@@ -12,21 +12,23 @@ from safeloc.language.nodes import Value
 from safeloc.language.units import MS_PER_S, NM_PER_UM, UM_PER_MM
 from safeloc.models.fibre.simulate import Drive, Section, line, simulate
 from safeloc.models.fibre_area import FibreAreaConfig
+from safeloc.models.fibre_area.simulated_counters import heads, inside, passed, sweep
 from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
 REMARK = "truth_mm"
 LOST_AXLES = 4
+_BLUR_MM = 5_000
+"How far the detector's pattern reaches beyond the train."
 _PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
 
 
 @dataclass(frozen=True)
 class Journey:
-    """One train and its messages. Cycles count from 0; the train's front enters at the low end in cycle `enters`.
+    """One train and its messages, once the counters are clear. Cycles count from there; the train's front enters at the low end in cycle `enters`.
 
     speeds_mm_s  the speed from a cycle on, reached by traction or brakes; negative: back towards the low end
     spacing_mm   distance between the line's sections, the first of which lies so far inside the area
-    swept        before the train enters, the counters report an empty area
     silent       (from, to) cycles in which the detector does not follow the pattern
     record       cycle in which the axle counter's record comes; None: never
     referred     the counter gives both ends a reference as they pass; otherwise the position code has to give their places
@@ -42,7 +44,6 @@ class Journey:
     enters: int = 0
     speeds_mm_s: tuple[tuple[int, int], ...] = ((0, 40_000),)
     spacing_mm: int = 1_000_000
-    swept: bool = False
     silent: tuple[int, int] | None = None
     length_mm: int = 205_000
     axles: int = 40
@@ -61,7 +62,7 @@ class Journey:
 
 
 def _speeds(config: FibreAreaConfig, journey: Journey) -> tuple[int, ...]:
-    """Return the speed of every cycle, mm/s."""
+    """Return the speed of every cycle, mm/s; during the sweep it is that of the journey's first cycle."""
     ability = min(config.verification.traction_mm_s2, config.verification.brake_mm_s2)
     most, wanted, speeds = ability * config.verification.period_ms // MS_PER_S, dict(journey.speeds_mm_s), list[int]()
     target = now = wanted.get(0, 0)
@@ -69,12 +70,13 @@ def _speeds(config: FibreAreaConfig, journey: Journey) -> tuple[int, ...]:
         target = wanted.get(cycle, target)
         now += max(-most, min(most, target - now))
         speeds.append(now)
-    return tuple(speeds)
+    return (speeds[0],) * len(sweep(config.axle_section)) + tuple(speeds)
 
 
 def _start_mm(config: FibreAreaConfig, journey: Journey) -> int:
     """Return the front's place before the first cycle, from which it comes to the low end in time, mm."""
-    run = sum(_speeds(config, journey)[: journey.enters]) * config.fibre.period_ms // MS_PER_S
+    enters = len(sweep(config.axle_section)) + journey.enters
+    run = sum(_speeds(config, journey)[:enters]) * config.fibre.period_ms // MS_PER_S
     return journey.area_mm[0] - run
 
 
@@ -83,6 +85,7 @@ def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
     low, front = journey.area_mm[0], _start_mm(config, journey) * UM_PER_MM
     rear = front - journey.length_mm * UM_PER_MM
     first: dict[str, Value] = {
+        "axle_section.true_axles": 0, "train_order.train_1_inside": False, "train_order.train_1_place_um": (front + rear) // 2,
         "area.low_end_mm": low, "area.high_end_mm": journey.area_mm[1], "area.loose_there": False,
         "area.loose_rear_um": low, "area.loose_front_um": low,
         "area.train_1_true_rear_um": rear, "area.train_1_true_front_um": front,
@@ -96,18 +99,19 @@ def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
 
 
 def simulate_journey(config: FibreAreaConfig, *, seed: int, journey: Journey | None = None) -> Steps:
-    """Return the steps of one stay, with the front's true place as the remark `truth_mm`."""
+    """Return the steps of one stay, with the front's true place as the remark `truth_mm`; while the train comes near, the area is swept."""
     journey = journey or Journey()
-    ends = _ends(config, journey, seed)
+    ends, begins = _ends(config, journey, seed), -len(sweep(config.axle_section))
     world = _World(config, journey)
-    return [world.step(cycle, front, rear) for cycle, (front, rear) in enumerate(zip(*ends, strict=True))]
+    return [world.step(cycle, front, rear) for cycle, (front, rear) in enumerate(zip(*ends, strict=True), begins)]
 
 
 def _ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tuple[Steps, Steps]:
     """Return the inputs of the fibre machines of both ends."""
     sections: list[Section] = line(config.fibre, spacing_mm=journey.spacing_mm)
     start = _start_mm(config, journey)
-    drive = Drive(_speeds(config, journey), referred=journey.referred, start_mm=start)
+    refers_in = len(sweep(config.axle_section))
+    drive = Drive(_speeds(config, journey), referred=journey.referred, refers_in=refers_in, start_mm=start)
     front = replace(drive, missed=journey.front_missed, stuck_mm=journey.front_stuck)
     rear = replace(drive, missed=journey.rear_missed, stuck_mm=journey.rear_stuck, start_mm=start - journey.length_mm)
     found = [simulate(config.fibre, seed=seed + n, drive=one, sections=sections) for n, one in enumerate((front, rear))]
@@ -115,10 +119,11 @@ def _ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tuple[Steps, 
 
 
 class _World:
-    """The train, the counters and the emitter."""
+    """The train, the counters and the emitter. Cycles below 0 are of the sweep."""
 
     def __init__(self, config: FibreAreaConfig, journey: Journey) -> None:
         self._config, self._journey = config, journey
+        self._sweep = sweep(config.axle_section)
         self._since, self._left = 0, False
         self._lost_um, self._run_since_mm = 0, 0
         start = _start_mm(config, journey)
@@ -130,19 +135,18 @@ class _World:
         high = _cell(front, REMARK)
         low = _cell(rear, REMARK)
         self._run_since_mm += abs(self._ran_mm(cycle)) if self._parted(cycle) else 0
-        inputs: dict[str, Cell] = {}
+        inputs = self._counters(cycle, low, high) | self._patterns(cycle, low, high)
         for name, end in (("front", front), ("rear", rear)):
             hidden = {REMARK, *(_PATTERN if self._silent(cycle) else ())}
             inputs |= {f"{name}.{key}": value for key, value in end.items() if key not in hidden}
-        inputs |= self._emitter(cycle) | self._entry(cycle, low, high)
-        inputs |= self._record(cycle, high) | self._seen(cycle, high - low)
+        inputs |= self._emitter(cycle) | self._record(cycle, high) | self._seen(cycle, high - low)
         return inputs | self._truth(cycle, low, high) | {REMARK: high}
 
     def _emitter(self, cycle: int) -> dict[str, Cell]:
         """Request the pattern in the first cycle; send it then and whenever it is due."""
         emitter, dead = self._config.emitter, self._journey.emitter_dead
         silent = dead is not None and dead[0] <= cycle < dead[1]
-        self._since += 1
+        self._since += cycle >= 0
         heard = not silent and (cycle == 1 or self._since >= emitter.due_cycles - 1)
         self._since = 0 if heard else min(self._since, emitter.due_cycles)
         step: dict[str, Cell] = {"emitter.test_requested": cycle == 0, "emitter.next_chain_works": not silent}
@@ -154,27 +158,27 @@ class _World:
         silent = self._journey.silent
         return silent is not None and silent[0] <= cycle < silent[1]
 
-    def _entry(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
+    def _counters(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
+        """Return what the counters at both ends report, and the axles that passed them."""
         begins, ends = self._journey.area_mm
         entered = not self._left and cycle > self._journey.enters
-        gone = {"LEAVES_HIGH": entered and low_mm > ends, "LEAVES_LOW": entered and high_mm < begins}
-        self._left = self._left or any(gone.values())
-        event = next((name for name, leaves in gone.items() if leaves), "NONE")
-        event = "ENTERS_LOW" if cycle == self._journey.enters else event
-        comes = "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY"
-        return {"entry.event": event, "entry.reference_comes": comes, **self._axles_passed(cycle, low_mm, high_mm)}
-
-    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
-        """Return the axles that came into the area and left it since the previous cycle."""
-        begins, ends = self._journey.area_mm
-        before, self._axles_mm = self._axles_mm, self._axle_places(cycle, low_mm, high_mm)
-        pairs = [(begins < then < ends, begins < now < ends) for then, now in zip(before, self._axles_mm, strict=False)]
-        came, went = sum(now and not then for then, now in pairs), sum(then and not now for then, now in pairs)
+        out = (entered and high_mm < begins, entered and low_mm > ends)
+        self._left = self._left or any(out)
+        passes, inside_now = self._axles_passed(cycle, low_mm, high_mm)
+        swept = {f"axle_section.{name}": cell for name, cell in self._sweep[cycle].items()} if cycle < 0 else {}
         return {
-            "entry.axles_in": came,
-            "entry.axles_out": went,
-            "entry.next_axles_inside": sum(now for _, now in pairs),
-        }
+            **heads(passes, passes), **swept,
+            "entry.enters_low": int(cycle == self._journey.enters), "entry.enters_high": 0,
+            "entry.leaves_low": out[0], "entry.leaves_high": out[1],
+            "entry.reference_comes": "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY",
+            "entry.next_axles_inside": inside_now,
+        }  # fmt: skip
+
+    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> tuple[dict[str, int], int]:
+        """Return the axles that came into the area and left it since the previous cycle, and those that are in it."""
+        before, self._axles_mm = self._axles_mm, self._axle_places(cycle, low_mm, high_mm)
+        ends = self._journey.area_mm
+        return passed(before, self._axles_mm, ends), inside(self._axles_mm, ends)
 
     def _axle_places(self, cycle: int, low_mm: int, high_mm: int) -> list[int]:
         """Return the place of every axle, evenly along the train; lost axles stay."""
@@ -182,9 +186,21 @@ class _World:
         places = [high_mm - (high_mm - low_mm) * number // (axles - 1) for number in range(axles)]
         return [*places[:-LOST_AXLES], *self._axles_mm[-LOST_AXLES:]] if parted else places
 
+    def _patterns(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
+        """Return the fibre's patterns between the counters, and the truth of the order of trains."""
+        begins, ends = self._journey.area_mm
+        seen = not self._silent(cycle) and low_mm <= ends and high_mm >= begins
+        there = cycle >= self._journey.enters and inside(self._axles_mm, (begins, ends)) > 0
+        return {
+            "train_order.patterns": int(seen), "train_order.pattern_1_low_mm": low_mm - _BLUR_MM if seen else 0,
+            "train_order.pattern_1_high_mm": high_mm + _BLUR_MM if seen else 0,
+            "train_order.next_train_1_inside": there, "train_order.next_train_1_place_um": (low_mm + high_mm) // 2 * UM_PER_MM,
+            "train_order.pattern_1_owner": int(seen),
+        }  # fmt: skip
+
     def _record(self, cycle: int, front_mm: int) -> dict[str, Cell]:
         """Return the counter's record, valid in the cycle in which it comes."""
-        journey, speed = self._journey, self._speeds[cycle]
+        journey, speed = self._journey, self._speed(cycle)
         return {
             "verification.record_sound": True, "verification.record_axles": journey.axles,
             "verification.record_length_low_mm": journey.length_mm - 4_000,
@@ -198,12 +214,11 @@ class _World:
         """Return the detector's readings of the pattern."""
         journey = self._journey
         step: dict[str, Cell] = {
-            "verification.associated": not self._left and not self._silent(cycle),
             "verification.next_true_axles": self._axles(), "verification.next_true_length_um": length_mm * UM_PER_MM,
             "report.reading_age_ms": 0,
         }  # fmt: skip
         if not self._silent(cycle):
-            step["verification.fibre_speed_mm_s"] = self._speeds[cycle]
+            step["verification.fibre_speed_mm_s"] = self._speed(cycle)
         if cycle % journey.counted_every == 0 and not self._silent(cycle):
             step |= {"verification.fibre_axles": self._axles(), "verification.fibre_length_mm": length_mm}
         return step
@@ -212,9 +227,13 @@ class _World:
         """Return the condition that the train has lost its last axles."""
         return self._journey.split is not None and cycle >= self._journey.split
 
+    def _speed(self, cycle: int) -> int:
+        """Return the speed of a cycle, mm/s; negative towards the low end."""
+        return self._speeds[cycle + len(self._sweep)]
+
     def _ran_mm(self, cycle: int) -> int:
         """Return the run of a cycle, mm; negative towards the low end."""
-        return self._speeds[cycle] * self._config.fibre.period_ms // MS_PER_S
+        return self._speed(cycle) * self._config.fibre.period_ms // MS_PER_S
 
     def _axles(self) -> int:
         """Return the detector's count: it contains lost axles until the train has run on."""
@@ -232,8 +251,6 @@ class _World:
             "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
             "report.true_cycle_distance_um": self._ran_mm(cycle) * UM_PER_MM,
             "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,
-            "area.counters_healthy": True,
-            "area.counters_clear": self._journey.swept and cycle < self._journey.enters,
             "area.next_loose_there": False, "area.next_loose_rear_um": low, "area.next_loose_front_um": high,
         }  # fmt: skip
 

@@ -83,7 +83,7 @@ def simulate(config: LocalizerSectionsConfig, scene: Scene, *, seed: int) -> Ste
         before, front = front, front + _as_int(step["true_cycle_distance_nm"])
         complete = scene.parts is None or cycle < scene.parts
         far = front - config.train.length_mm * NM_PER_MM if complete else far
-        made.append({**step, **_train(complete, far), **_area(config, scene, cycle, before, front)})
+        made.append({**step, **_train(complete, far), **_area(config, scene, cycle, before, front, far)})
     return made
 
 
@@ -100,13 +100,16 @@ def _train(complete: bool, far_nm: int) -> dict[str, Cell]:
     return {"ends.train_whole": complete, "ends.next_far_end_nm": far_nm}
 
 
-def _area(config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: int, front_nm: int) -> dict[str, Cell]:
+def _area(
+    config: LocalizerSectionsConfig, scene: Scene, cycle: int, before_nm: int, front_nm: int, rear_nm: int
+) -> dict[str, Cell]:
     """Return the inputs of undisturbed axle counters: clear once, then they count the train in as its front end passes."""
-    low = scene.ends_mm[0] * NM_PER_MM
+    low, high = (end * NM_PER_MM for end in scene.ends_mm)
     step: dict[str, Cell] = {
         "area.counters_healthy": True, "area.counters_clear": cycle == scene.clear,
         "area.train_1_event": "ENTERS_LOW" if before_nm < low <= front_nm else "NONE",
-        "area.next_loose_there": False, "area.next_loose_rear_um": 0, "area.next_loose_front_um": 0,
+        "area.axle_between": low < front_nm and rear_nm < high, "area.next_loose_there": False,
+        "area.next_loose_rear_um": 0, "area.next_loose_front_um": 0,
     }  # fmt: skip
     for number in range(2, config.sections.area.trains + 1):
         name = f"area.train_{number}"

@@ -158,7 +158,7 @@ class _World:
             loose |= self._detected(healthy, before)
         else:
             clear = healthy and second in self._scene.clear and self._is_empty()
-            loose["area.counters_clear"] = clear
+            loose |= {"area.counters_clear": clear, "area.axle_between": not self._is_empty()}
         return {"area.counters_healthy": healthy, **trains, **loose, **self._detected_inside(second)}
 
     def _detected_inside(self, second: int) -> dict[str, Cell]:

@@ -20,7 +20,7 @@ from safeloc.language.verdict import Proved, Result, Violated
 from safeloc.language.world import Law
 from safeloc.models.area import AreaConfig
 from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines
-from safeloc.models.fibre_area.entry import EntryInputs, entry
+from safeloc.models.fibre_area import entry as entry_model
 from safeloc.models.fibre_area.parting import PartingConfig, ReportedRun, parts
 from safeloc.models.fibre_area.recorded_runs import CONFIG, SPLIT
 from safeloc.models.fibre_area.report import Believed, Report, build
@@ -52,6 +52,9 @@ def alone() -> tuple[Machine, Report]:
             & (exact_to(high[0], UM) <= own.pattern_front) & (own.pattern_front <= exact_to(high[1], UM))
         ),
         "only all axles match": Law(own.count_matches_now.implies(own.count_had_all_axles)),
+        "the pattern is the train's": Law(
+            (own.trusted | own.count_matches_now | own.upwards | own.downwards).implies(own.pattern_is_the_trains)
+        ),
     }  # fmt: skip
     world = replace(machine.world, clauses={**machine.world.clauses, **keeps})
     return replace(machine, world=world), report
@@ -183,7 +186,7 @@ def test_a_train_that_leaves_a_part_behind_has_not_left() -> None:
     """The counters tell that it leaves, with four axles fewer than came in: the area keeps it, and nothing behind it is freed."""
     trace = told(SPLIT)
     outputs = [step.outputs for step in trace.steps]
-    (leaves,) = [number for number, step in enumerate(trace.steps) if step.inputs["entry.event"] == 4]
+    (leaves,) = [number for number, step in enumerate(trace.steps) if step.inputs["entry.leaves_high"]]
     assert outputs[leaves]["entry.axles_inside"] == LOST_AXLES
     assert not any(one["entry.left"] for one in outputs)
     assert outputs[leaves]["entry.left_in_part"]
@@ -195,20 +198,22 @@ STAYED = "a train that leaves a part behind has not left"
 UNCOUNTED = "a train of which axles were not counted is not counted out"
 OF_THE_EXIT: dict[str, tuple[str, Wrong]] = {
     "leaving is believed without a count": ("complete", lambda one, _: one.leaving),
-    "axles that leave are not counted": ("balance", lambda one, right: right + one.axles_out.value),
+    "axles that leave are not counted": ("balance", lambda one, right: right + one.of_this(one.axles_out)),
     "one axle less is enough": ("complete", lambda one, _: one.leaving & one.counted & (one.balance <= 1)),
-    "a disturbed counter counts none": ("counted", lambda one, _: one.enters | one.sure),
+    "a disturbed counter counts none": ("counted", lambda one, _: one.enters_now | one.sure),
+    "axles of any train are this one's": ("of_this", lambda _one, _right, axles: axles[0] + axles[1]),
+    "an area that is not clear is empty": ("emptied", lambda one, _: ~one.enters_now),
     "what the train before left is counted": (
         "balance",
-        lambda one, _: one.inside + one.axles_in.value - one.axles_out.value,
+        lambda one, _: one.inside + one.of_this(one.axles_in) - one.of_this(one.axles_out),
     ),
 }
 
 
 def nothing_inside() -> tuple[Machine, Property]:
     """The machine of the entry, and that none of the axles of a train that left is in the area."""
-    made = entry(240, 1_000)
-    out = made.left.implies(made.true_axles_inside.eq(0))
+    made = entry_model.build(entry_model.parts(trains=2, wait_cycles=240, axle_limit=1_000, axles_a_cycle=40))
+    out = made.own.left.implies(made.own.truly.eq(0))
     return made.machine, always("nothing inside", out, statement="nothing is left", assumption="each axle is counted")
 
 
@@ -216,7 +221,7 @@ def nothing_inside() -> tuple[Machine, Property]:
 def test_a_wrong_edit_of_the_exit_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """A train that has left has left with all its axles; not where they are counted, or believed, wrongly."""
     assert inductive(*nothing_inside())
-    edited(monkeypatch, EntryInputs, *OF_THE_EXIT[edit])
+    edited(monkeypatch, entry_model.Parts, *OF_THE_EXIT[edit])
     assert not inductive(*nothing_inside())
 
 
@@ -230,7 +235,7 @@ def test_a_wrong_edit_of_the_exit_is_noticed(monkeypatch: pytest.MonkeyPatch, ed
 )
 def test_the_whole_notices_a_wrong_exit(monkeypatch: pytest.MonkeyPatch, wrong: Wrong, claim: str) -> None:
     """Each loses a claim of the composition."""
-    edited(monkeypatch, EntryInputs, "complete", wrong)
+    edited(monkeypatch, entry_model.Parts, "complete", wrong)
     model = compose_machines(CONFIG)
     (prop,) = [one for one in properties(model) if one.name == claim]
     assert not inductive_in(model.composition.system, prop)

@@ -16,7 +16,21 @@ from safeloc.assurance.mutation.members import Composed, composed
 from safeloc.assurance.mutation.places import noted
 from safeloc.assurance.mutation.rewired import rewired
 from safeloc.catalogue import load_target
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Optional, Var, between, ite, maximum, minimum
+from safeloc.language.expr import (
+    FALSE,
+    TRUE,
+    Bool,
+    Expr,
+    Lit,
+    Num,
+    NumVar,
+    Optional,
+    Var,
+    between,
+    ite,
+    maximum,
+    minimum,
+)
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
@@ -41,9 +55,10 @@ class Wired:
         return next(one for one in self.inputs(machine) if one.name == var)
 
     def inputs(self, machine: str) -> Iterator[Var]:
-        """All inputs of a machine."""
+        """All inputs of a machine, and the free choices of its world."""
         for one in self._machines[machine].inputs:
             yield from (one.value, one.present) if isinstance(one, Optional) else (one,)
+        yield from self._machines[machine].world.choices
 
     def right(self, name: str) -> Expr:
         """The right term on the wire to an input."""
@@ -230,6 +245,43 @@ def _entry_at_the_other_end(of: Wired) -> Wires:
     return {of.to("area.train_1_event"): other}
 
 
+def _counted_without_an_order(of: Wired) -> Wires:
+    """Axles are taken for this train's although nobody knows which train was the outermost."""
+    return {of.to("entry.counters_count"): of.of("axle_section.healthy")}
+
+
+def _ways_exchanged(of: Wired) -> Wires:
+    """Axles that come in are taken for axles that leave."""
+    into, out = "entry.axles_in_high", "entry.axles_out_high"
+    return {of.to(into): of.right(out), of.to(out): of.right(into)}
+
+
+def _gone_in_part(of: Wired) -> Wires:
+    """A train that left a part behind is taken out of the order."""
+    return {of.to("train_order.leaves_high"): _input(of, "entry.leaves_high")}
+
+
+def _input(of: Wired, name: str) -> Expr:
+    var = of.to(name)
+    assert isinstance(var, Expr)
+    return var
+
+
+def _any_pattern(of: Wired) -> Wires:
+    """Any pattern in the area is taken for the train's."""
+    return {of.to("verification.associated"): _patterns(of) > 0}
+
+
+def _patterns(of: Wired) -> NumVar:
+    var = of.to("train_order.patterns")
+    assert isinstance(var, NumVar)
+    return var
+
+
+def _always_undisturbed(of: Wired) -> Wires:
+    return {of.to("area.counters_healthy"): TRUE}
+
+
 # ------------------------------------------------------------------ handover
 
 
@@ -335,6 +387,7 @@ def _zero(of: Wired, name: str) -> Lit:
 
 _ENDS = "a train is untrusted only for what is said of it"
 _LACKS = "a train is withheld only for what is missing"
+_ALL_OUT = "a train of which all axles went out has left"
 _INTERVAL, _REASON = "the host gets its source's interval", "the host is told its source's reason"
 _CONTRADICTS = "direction, route and groups contradict, and nothing else"
 _REFERENCES = "arbitration hears each reference and each reason"
@@ -370,6 +423,23 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_area", _only_whole_trains, "every report reaches the area"),
     ("fibre_area", cut("area.train_1_integer"), "a whole train is confirmed"),
     ("fibre_area", _entry_at_the_other_end, "the area hears of a train at the end where it is counted"),
+    ("fibre_area", cut("entry.counters_clear"), "clear counters let the train go"),
+    ("fibre_area", cut("entry.counters_count"), _ALL_OUT),
+    ("fibre_area", cut("entry.outermost_low"), _ALL_OUT),
+    ("fibre_area", cut("entry.axles_out_low"), "a train that leaves a part behind has not left"),
+    ("fibre_area", _ways_exchanged, "a train that leaves a part behind has not left"),
+    ("fibre_area", _counted_without_an_order, "a train of which axles were not counted is not counted out"),
+    ("fibre_area", cut("train_order.counter_fault"), "disturbed counters leave the area unswept"),
+    ("fibre_area", cut("train_order.counters_clear"), "clear counters make the order known"),
+    ("fibre_area", cut("train_order.enters_low"), "a train that comes in is in the order"),
+    ("fibre_area", cut("train_order.leaves_high"), "a train that has left is in the order no more"),
+    ("fibre_area", _gone_in_part, "a train that left a part behind stays in the order"),
+    ("fibre_area", _any_pattern, "another number of patterns withholds"),
+    ("fibre_area", cut("verification.associated"), _LACKS),
+    ("fibre_area", _always_undisturbed, "disturbed counters leave the area unswept"),
+    ("fibre_area", cut("area.counters_healthy"), "clear counters sweep the area"),
+    ("fibre_area", cut("area.counters_clear"), "clear counters sweep the area"),
+    ("fibre_area", cut("area.axle_between"), "axles between the counters keep the train there"),
     (
         "counted_entry",
         _counter_taken_for_neighbour("verification_doubted"),

@@ -49,8 +49,8 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
             (one or event.startswith("ENTERS")) and not event.startswith("LEAVES")
             for one, event in zip(inside, now, strict=True)
         ]
-        seen = [one for one in moment.trains if _inside(one, ends)]
-        step = _counted(now, clear=not was and not any(inside)) | _seen(seen)
+        seen = [one for one in moment.trains if inside_area(one, ends)]
+        step = _counted(now, clear=not was and not any(inside)) | patterns_of(seen, ORDER.trains)
         state, _ = code.step(state, code.read(step))
         owners = [code.named_outputs(state)[f"train_of_pattern_{rank}"] for rank in range(1, ORDER.trains + 1)]
         steps.append(step)
@@ -59,7 +59,7 @@ def order_of(ends: Ends, moments: Sequence[Moment], trains: Sequence[Places]) ->
     return Ordered(steps, patterns, inside_each)
 
 
-def _inside(one: TrainSeen, ends: Ends) -> bool:
+def inside_area(one: TrainSeen, ends: Ends) -> bool:
     """Return the condition that some of the pattern is certainly between the counters, by the middle of its bounds."""
     low = one.low is not None and one.low.path_mm.low + one.low.path_mm.high >= 2 * ends.high_mm
     high = one.high is not None and one.high.path_mm.low + one.high.path_mm.high <= 2 * ends.low_mm
@@ -76,9 +76,10 @@ def _counted(now: Sequence[str], *, clear: bool) -> dict[str, Cell]:
     }  # fmt: skip
 
 
-def _seen(patterns: Sequence[TrainSeen]) -> dict[str, Cell]:
-    made: dict[str, Cell] = {"patterns": min(len(patterns), ORDER.trains + 1)}
-    for rank in range(1, ORDER.trains + 1):
+def patterns_of(patterns: Sequence[TrainSeen], trains: int) -> dict[str, Cell]:
+    """Return the patterns in the area, from the low end, as the machine for `trains` trains hears them."""
+    made: dict[str, Cell] = {"patterns": min(len(patterns), trains + 1)}
+    for rank in range(1, trains + 1):
         one = patterns[rank - 1] if rank <= len(patterns) else None
         made[f"pattern_{rank}_low_mm"] = 0 if one is None or one.low is None else one.low.path_mm.low
         made[f"pattern_{rank}_high_mm"] = 0 if one is None or one.high is None else one.high.path_mm.high

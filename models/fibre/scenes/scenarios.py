@@ -39,7 +39,7 @@ class AreaScene:
     title: str
     says: str
     stay: Stay
-    from_s: float = 62.0
+    from_s: float = 52.0
 
     @property
     def marks(self) -> Mapping[str, int]:
@@ -217,7 +217,7 @@ VERIFIED_20_KM = AreaScene(
         between=(12_000_000,),
         ghosts=False,
     ),
-    from_s=53.0,
+    from_s=43.0,
 )
 AREA_SCENES = (*SCENARIOS, VERIFIED_20_KM)
 ORDER_SCENES = (_TWO_TRAINS,)

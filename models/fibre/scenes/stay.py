@@ -13,9 +13,10 @@ from safeloc.language.trace import shown
 from safeloc.language.units import MM_PER_M, NM_PER_MM, UM_PER_MM
 from safeloc.models.fibre.scenes.counters import Ends, Record, events, record_of
 from safeloc.models.fibre.scenes.ends import EndHost, Followed, Side
-from safeloc.models.fibre.scenes.order import order_of
+from safeloc.models.fibre.scenes.order import inside_area, patterns_of
 from safeloc.models.fibre.scenes.scene import Moment, Scene
 from safeloc.models.fibre_area import FibreAreaConfig, compose_machines
+from safeloc.models.fibre_area.simulated_counters import heads, inside, passed, sweep
 from safeloc.models.sections import SectionsConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.fibre.features import TrainSeen
@@ -28,7 +29,7 @@ _OVERHANG_MM = 4_500
 
 @dataclass(frozen=True)
 class Stay:
-    """A stay of the scene's first train between two axle counters. Places in mm.
+    """A stay of the scene's first train between two axle counters, which are clear after a sweep while it comes near. Places in mm.
 
     between     counters inside the area; each of them gives a record, too
     cuts        virtual sections; `shown`: number of the one that is section_1 of the shipped machine
@@ -81,6 +82,8 @@ def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> d
     if not stay.ghosts:
         return first
     ghosts: dict[str, Value] = {
+        "axle_section.true_axles": 0, "train_order.train_1_inside": False,
+        "train_order.train_1_place_um": (low + high) // 2 * UM_PER_MM,
         "area.loose_there": False, "area.loose_rear_um": stay.ends.low_mm * UM_PER_MM,
         "area.loose_front_um": stay.ends.low_mm * UM_PER_MM, "area.train_1_true_rear_um": low * UM_PER_MM,
         "area.train_1_true_front_um": high * UM_PER_MM, "front.truth_nm": high * NM_PER_MM,
@@ -97,11 +100,8 @@ def stayed(stay: Stay, heard: Sequence[Moment], begin: int) -> Stayed:
     host = _Host(stay, heard[begin - 1])
     for moment in heard[:begin]:
         host.before(moment)
-    extents = [_extent(stay, moment) for moment in moments]
-    patterns = order_of(stay.ends, moments, [extents]).patterns
     passages = events(stay.ends, [_pattern_m(stay, moment) for moment in moments])
-    made = [host.step(moment, own[0], event) for moment, own, event in zip(moments, patterns, passages, strict=True)]
-    return Stayed(made, host.states)
+    return Stayed([host.step(moment, event) for moment, event in zip(moments, passages, strict=True)], host.states)
 
 
 @lru_cache(maxsize=8)
@@ -136,10 +136,11 @@ class _Host:
         for host in self._ends.values():
             host.before(self._nearest(moment), moment)
 
-    def step(self, moment: Moment, own: TrainSeen | None, event: str) -> dict[str, Cell]:
+    def step(self, moment: Moment, event: str) -> dict[str, Cell]:
         """Return one cycle: inputs, the machines' outputs, and the truth."""
         was = self._code.named_outputs(self._state)
         pattern = self._nearest(moment)
+        seen = [one for one in moment.trains if inside_area(one, self._stay.ends)]
         heard: dict[str, Cell] = {}
         for name, host in self._ends.items():
             end = host.heard(pattern, moment, _of(name, was))
@@ -149,7 +150,8 @@ class _Host:
             _emitter(moment)
             | self._entry.heard(moment, event, _pattern(self._stay, moment)[1])
             | self._axles.passed(moment)
-            | _verified(own if settled else None, own is not None)
+            | {f"train_order.{name}": cell for name, cell in patterns_of(seen, 1).items()}
+            | _verified(seen[0] if settled and len(seen) == 1 else None)
         )
         heard |= {"report.reading_age_ms": 0}
         self._state, _ = self._code.step(self._state, self._code.read(heard))
@@ -178,54 +180,63 @@ class _Host:
             ghosts = host.ghosts(own, _of(name, was), _of(name, now))
             truth |= {f"{name}.{key}": cell for key, cell in ghosts.items()}
         before, self._front_mm = self._front_mm, high
-        truth["entry.next_axles_inside"] = self._axles.inside
-        return truth | _world(self._stay, moment) | _body(self._stay, high, high - before)
+        place, there = (low + high) // 2 * UM_PER_MM, self._axles.inside > 0
+        truth |= {
+            "entry.next_axles_inside": self._axles.inside, "train_order.next_train_1_inside": there,
+            "train_order.next_train_1_place_um": place, "train_order.pattern_1_owner": int(there),
+        }  # fmt: skip
+        return truth | self._axles.truth | _world(self._stay, moment) | _body(self._stay, high, high - before)
 
 
 class _Axles:
-    """Every axle of the train, a lost part's too: how many come into the area and leave it, as the counters count them."""
+    """Every axle of the train, a lost part's too, as the counters at both ends count it; at first, the sweep of the area.
+
+    truth  what really passed the heads in this cycle, as inputs
+    """
 
     def __init__(self, stay: Stay, start: Moment) -> None:
-        self._stay = stay
-        self._inside = self._within(start)
+        self._stay, self._ends = stay, (stay.ends.low_mm, stay.ends.high_mm)
+        self._sweep = sweep(stay.config.axle_section)
+        self._places = self._of(start)
         self._uncounted = -stay.miscounted
+        self.truth: dict[str, Cell] = {}
 
-    def _within(self, moment: Moment) -> list[bool]:
-        ends, made = self._stay.ends, list[bool]()
+    def _of(self, moment: Moment) -> list[float]:
+        """Return the place of every axle."""
         parts = self._stay.scene.trains[: 1 if self._stay.split is None else 2]
-        for part, truth in zip(parts, moment.truth, strict=False):
-            places = (MM_PER_M * (truth.high_m - behind) for behind in part.axles_m())
-            made += [bool(ends.low_mm < place < ends.high_mm) for place in places]
-        return made
+        pairs = zip(parts, moment.truth, strict=False)
+        return [float(MM_PER_M * (truth.high_m - behind)) for part, truth in pairs for behind in part.axles_m()]
 
     def passed(self, moment: Moment) -> dict[str, Cell]:
         """Return the inputs of one cycle; of a counter that miscounts, fewer axles than came in."""
-        before, self._inside = self._inside, self._within(moment)
-        pairs = list(zip(before, self._inside, strict=True))
-        came, went = sum(now and not then for then, now in pairs), sum(then and not now for then, now in pairs)
-        missed = min(came, max(self._uncounted, 0))
+        before, self._places = self._places, self._of(moment)
+        true = passed(before, self._places, self._ends)
+        missed = min(true["axles_in_low"], max(self._uncounted, 0))
         self._uncounted -= missed
-        return {"entry.axles_in": came - missed, "entry.axles_out": went}
+        counted = {**true, "axles_in_low": true["axles_in_low"] - missed}
+        cells = heads(counted, true)
+        if self._sweep:
+            cells = {f"axle_section.{name}": cell for name, cell in self._sweep.pop(0).items()}
+        self.truth = {name: cell for name, cell in cells.items() if ".true_" in name}
+        return {name: cell for name, cell in cells.items() if name not in self.truth}
 
     @property
     def inside(self) -> int:
         """Axles in the area."""
-        return sum(self._inside)
+        return inside(self._places, self._ends)
 
 
 class _Entry:
-    """The counters: events, the records in their cycles, the report of an empty area, and the agreement of the counts."""
+    """The counters: events of the train, and the records in their cycles."""
 
     def __init__(self, stay: Stay) -> None:
-        self._places, self._miscounted = (stay.ends.low_mm, *stay.between), stay.miscounted
+        self._places = (stay.ends.low_mm, *stay.between)
         self._record = record_of(stay.train, miscounted=stay.miscounted)
         self._due_ms: dict[int, int] = {}
         self._front_mm: int | None = None
-        self._clear = True
 
     def heard(self, moment: Moment, event: str, front_mm: int) -> dict[str, Cell]:
-        """Return the inputs of one cycle. A train that leaves with other axles than it entered makes the counters disagree."""
-        self._clear = self._clear and event == "NONE"
+        """Return the inputs of one cycle."""
         before, self._front_mm = self._front_mm, front_mm
         for place in self._places:
             if before is not None and before < place <= front_mm:
@@ -233,13 +244,12 @@ class _Entry:
         comes = next((place for place, due in self._due_ms.items() if moment.time_ms >= due), None)
         if comes is not None:
             self._due_ms.pop(comes)
-        inputs: dict[str, Cell] = {
-            "entry.event": event,
+        return {
+            "entry.enters_low": int(event == "ENTERS_LOW"), "entry.enters_high": int(event == "ENTERS_HIGH"),
+            "entry.leaves_low": event == "LEAVES_LOW", "entry.leaves_high": event == "LEAVES_HIGH",
             "entry.reference_comes": "NOBODY" if comes is None else "AXLE_COUNTER",
-        }
-        healthy = not (event.startswith("LEAVES") and self._miscounted)
-        inputs |= {"area.counters_healthy": healthy, "area.counters_clear": self._clear}
-        return inputs | _recorded(comes or self._places[0], self._record)
+            **_recorded(comes or self._places[0], self._record),
+        }  # fmt: skip
 
 
 def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:
@@ -265,9 +275,9 @@ def _emitter(moment: Moment) -> dict[str, Cell]:
     return step | {"emitter.heard_pattern": int(heard[0].bits, 2), "emitter.heard_place_mm": heard[0].fibre_mm}
 
 
-def _verified(own: TrainSeen | None, associated: bool) -> dict[str, Cell]:
-    """Return the detector's readings of the train's pattern, once its course is fitted and settled."""
-    made: dict[str, Cell] = {"verification.associated": associated}
+def _verified(own: TrainSeen | None) -> dict[str, Cell]:
+    """Return the detector's readings of the only pattern in the area, once its course is fitted and settled."""
+    made: dict[str, Cell] = {}
     if own is None:
         return made
     made["verification.fibre_speed_mm_s"] = (own.speed_mm_s.low + own.speed_mm_s.high) // 2

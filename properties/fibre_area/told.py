@@ -14,10 +14,6 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.models.area.slot import (
     ACCEPTED,
     CONTRADICTED,
-    ENTERS_HIGH,
-    ENTERS_LOW,
-    LEAVES_HIGH,
-    LEAVES_LOW,
     NOBODY,
     STALE,
 )
@@ -30,6 +26,7 @@ from safeloc.models.verification.variables import (
     ENDS_APART,
     FIBRE_ERROR,
     NEIGHBOUR,
+    NOT_ASSOCIATED,
     NOT_LOCATED,
     REFERENCE_LOST,
     REFERENCE_REFUSED,
@@ -52,7 +49,6 @@ def told(model: FibreArea) -> Iterator[Property]:
     yield _located(seen)
     yield from _compared(seen)
     yield from _reported(seen)
-    yield _counted(seen)
 
 
 class _Seen:
@@ -111,13 +107,15 @@ def _distrusted(seen: _Seen) -> Iterator[Property]:
         FIBRE_ERROR: error,
         ENDS_APART: seen.both & _apart(seen),
         REFERENCE_LOST: seen.entry.bool(model.entry.machine.fired("reference overdue")),
-        REFERENCE_REFUSED: seen.entry.num(model.entry.comes).ne(NO_SENDER),
+        REFERENCE_REFUSED: seen.entry.num(model.entry.own.comes).ne(NO_SENDER),
     }
     if figures.needs_emitter:
         causes[CHAIN_FAILED] = seen.chain("failed")
         yield for_all_inputs(
             "a chain that failed is latched",
-            all_of([_was_known(seen), seen.chain("failed"), ~seen.entry.bool(model.entry.left)]).implies(seen.mode(3)),
+            all_of([_was_known(seen), seen.chain("failed"), ~seen.entry.bool(model.entry.own.left)]).implies(
+                seen.mode(3)
+            ),
             statement="a test of the fibre chain that failed, with a reference stored, makes the train untrusted until another accepted record",
             requirements=_EMITTER,
         )
@@ -138,14 +136,16 @@ def _withheld(seen: _Seen) -> Iterator[Property]:
     front, limit = model.front, figures.position_limit_mm
     margins = [seen.end(front, f"margin_{side}") > figures.margin_limit_mm for side in ("above", "below")]
     outside = any_of([*margins, ~between(-limit, seen.end(front, "position"), limit)])
-    lacks = {NOT_LOCATED: ~seen.both | outside | ~_spans(seen)}
+    order = model.order.own
+    its = [model.composition.of(model.order.machine).num(one).eq(1) for one in order.belongs]
+    lacks = {NOT_LOCATED: ~seen.both | outside | ~_spans(seen), NOT_ASSOCIATED: ~any_of(its)}
     if figures.needs_emitter:
         lacks[CHAIN_UNTESTED] = ~seen.chain("chain_tested")
     yield for_all_inputs(
         "a train is withheld only for what is missing",
         all_of((seen.mode(1) & reason.eq(why)).implies(cause) for why, cause in lacks.items()),
-        statement="a train is withheld as not located only if an end is not, or its interval is beyond the figures; and as not tested only if "
-        "no test of the chain has passed",
+        statement="a train is withheld as not located only if an end is not, or its interval is beyond the figures; as not associated only if no "
+        "pattern belongs to it by the order of trains; and as not tested only if no test of the chain has passed",
         requirements=(*_TRUST, *_EMITTER),
     )
 
@@ -164,7 +164,7 @@ def _spans(seen: _Seen) -> Bool:
 def _apart(seen: _Seen) -> Bool:
     """The distance between both ends fits no length of the record that is due, or that was stored before."""
     own, tolerance = seen.model.verification.own, seen.model.config.verification.length_tolerance_mm
-    due = seen.entry.bool(seen.model.entry.due)
+    due = seen.entry.bool(seen.model.entry.own.due)
     new_low, new_high = seen.verification.num(own.record_length_low), seen.verification.num(own.record_length_high)
     low, high = (
         earlier_num(seen.verification.num(own.stored_length_low)),
@@ -190,10 +190,10 @@ def _located(seen: _Seen) -> Property:
 def _compared(seen: _Seen) -> Iterator[Property]:
     """Properties of the comparison with a record, which depends on its sender."""
     model, own = seen.model, seen.model.verification.own
-    machine, comes = model.verification.machine, seen.entry.num(model.entry.comes)
+    machine, comes = model.verification.machine, seen.entry.num(model.entry.own.comes)
     speed, place = (seen.verification.bool(machine.flag(f"verified_{one}_at_entry")) for one in ("speed", "place"))
     present = seen.verification.bool(own.associated & own.fibre_speed.present)
-    taken = seen.mode(2) & ~seen.entry.bool(model.entry.left)
+    taken = seen.mode(2) & ~seen.entry.bool(model.entry.own.left)
     yield for_all_inputs(
         "at the counter speed and place are compared",
         (taken & comes.eq(AXLE_COUNTER)).implies(place & present.implies(speed)),
@@ -252,22 +252,6 @@ def _reported(seen: _Seen) -> Iterator[Property]:
         )
 
 
-def _counted(seen: _Seen) -> Property:
-    """The area's own law says that a train is at the end at which it hears of it: heard at the other end, everything is proved of that."""
-    model = seen.model
-    reported, heard = seen.entry.num(model.entry.event), seen.area.num(model.area.own.slots[0].event)
-    left = seen.entry.bool(model.entry.left)
-    comes = all_of(heard.eq(one).iff(reported.eq(one)) for one in (ENTERS_LOW, ENTERS_HIGH))
-    goes = all_of(heard.eq(one).iff(reported.eq(one) & left) for one in (LEAVES_LOW, LEAVES_HIGH))
-    return for_all_inputs(
-        "the area hears of a train at the end where it is counted",
-        comes & goes,
-        statement="the area hears that the train comes in, and that all of it has left, in the cycle in which the counters report it, and at the "
-        "same end",
-        requirements=_CLEAR,
-    )
-
-
 def _inside_the_line(seen: _Seen) -> Bool:
     """Both ends are on the line, even if the train was whole a count's run ago only."""
     model, figures = seen.model, seen.model.config.parting
@@ -298,7 +282,7 @@ def _runs(seen: _Seen) -> Property:
     run = model.composition.of(model.front.machine)
     measured, ran = run.bool(model.front.own.run.present), run.num(model.front.own.run.value)
     mine = all_of(
-        [measured, seen.verification.bool(model.verification.own.associated), ~seen.entry.bool(model.entry.left)]
+        [measured, seen.verification.bool(model.verification.own.associated), ~seen.entry.bool(model.entry.own.left)]
     )
     least = 2 * (model.config.fibre.floor_mm + 1)
     straight = seen.report.num(own.run_one_way)

@@ -12,11 +12,11 @@ from dataclasses import replace
 from functools import partial
 
 from safeloc.language.checks.machine import input_variables
-from safeloc.language.expr import Bool, BoolVar, Num, all_of, between, exact_to
+from safeloc.language.expr import Bool, BoolVar, Num, all_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution
-from safeloc.language.units import NM, UM
+from safeloc.language.units import COUNT, NM, UM
 from safeloc.models.area import left_law, report_law
 from safeloc.models.area.slot import ACCEPTED
 from safeloc.models.fibre import Fibre
@@ -24,7 +24,8 @@ from safeloc.models.fibre_area import FibreArea, ends
 from safeloc.models.sections import Sections
 from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
-from safeloc.properties.fibre_area_told import told
+from safeloc.properties.fibre_area.counted import counted
+from safeloc.properties.fibre_area.told import told
 
 LAW = (
     "the fibre's bounds and code law at both ends; count and length reported for a pattern are that pattern's, "
@@ -45,7 +46,7 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 def properties(model: FibreArea) -> list[Property]:
     """Return the properties: containment through all machines, withdrawal in the same step, and no section cleared without verification."""
     makers = (
-        _truth, _guaranteed, _bounded, _withdrawal, _latched_error, _latch, _narrowed, _grows, _reached, told, _of_sections,
+        _truth, _guaranteed, _bounded, _withdrawal, _latched_error, _latch, _narrowed, _grows, _reached, told, counted, _of_sections,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(model)]
 
@@ -221,9 +222,35 @@ def _wrong_train(model: FibreArea) -> dict[str, tuple[Bool, str, tuple[str, ...]
             "a record or handover that did not come in time",
             ("FVA-D1", *STAY),
         ),
-        "a train that left": (of(entry.machine).bool(entry.leaves), "a train that was counted out", STAY),
+        "a train that left": (of(entry.machine).bool(entry.own.left), "a train that was counted out", STAY),
         "no pattern": (seen.bool(~verified.associated), "a pattern that belongs to no known train", STAY),
+        "another number of patterns": (
+            _patterns(model).ne(_trains(model)),
+            "another number of patterns than of trains that were counted in",
+            STAY,
+        ),
+        "disturbed counters": (_disturbed(model), "axle counters that do not count", ("FVA-4", "FVA-13", *STAY)),
     }
+
+
+def _patterns(model: FibreArea) -> Num:
+    """Return the number of patterns that the fibre sees in the area."""
+    return model.composition.of(model.order.machine).num(model.order.own.patterns)
+
+
+def _trains(model: FibreArea) -> Num:
+    """Return the number of trains in the area, by the known order."""
+    of, total = model.composition.of(model.order.machine), as_num(0, COUNT)
+    for rank in model.order.own.order:
+        total = total + ite(of.num(rank).ne(0), as_num(1, COUNT), 0)
+    return total
+
+
+def _disturbed(model: FibreArea) -> Bool:
+    """Return the condition that a head is at fault, or the section is neither clear nor occupied by counted axles."""
+    own, machine = model.axle_section.own, model.axle_section.machine
+    of = model.composition.of(machine)
+    return of.bool(own.fault) | ~of.num(machine.mode).one_of(*machine.modes[1:3])
 
 
 def _apart(model: FibreArea) -> Bool:
@@ -265,7 +292,7 @@ def _latch(model: FibreArea) -> Iterator[Property]:
     verified, seen = model.verification, model.composition.of(model.verification.machine)
     none, _, _, untrusted = verified.machine.modes
     mode = seen.num(verified.machine.mode)
-    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.due), _leaves(model)
+    due, leaves = model.composition.of(model.entry.machine).bool(model.entry.own.due), _leaves(model)
     was_untrusted = earlier_bool(seen.bool(verified.machine.mode.eq(untrusted)))
     yield for_all_inputs(
         "a mismatch is latched",
@@ -289,7 +316,7 @@ def _latch(model: FibreArea) -> Iterator[Property]:
 
 
 def _leaves(model: FibreArea) -> Bool:
-    return model.composition.of(model.entry.machine).bool(model.entry.leaves)
+    return model.composition.of(model.entry.machine).bool(model.entry.own.left)
 
 
 # ------------------------------------------------------------------ sections
@@ -316,8 +343,6 @@ def _narrowed(model: FibreArea) -> Iterator[Property]:
     )
     yield from _added_error(model)
     yield from _parted(model)
-    yield from _counted_out(model)
-    yield from _not_counted(model)
 
 
 def _grows(model: FibreArea) -> Iterator[Property]:
@@ -330,38 +355,6 @@ def _grows(model: FibreArea) -> Iterator[Property]:
         stays.implies(((low <= earlier_num(low)) | low.eq(-edge)) & ((high >= earlier_num(high)) | high.eq(edge))),
         statement="while the train is not trusted, neither end of its interval comes nearer to the other",
         requirements=CLEAR,
-    )
-
-
-def _counted_out(model: FibreArea) -> Iterator[Property]:
-    """Claim that a train that leaves with fewer axles than it came in with clears no section."""
-    slot, area = model.area.own.slots[0], _of_slot(model)
-    own, of = model.entry, model.composition.of(model.entry.machine)
-    inside = of.num(own.inside)
-    missing = (of.num(own.axles_out.value) - of.num(own.axles_in.value)).ne(earlier_num(inside))
-    empty = area.bool(model.area.own.healthy & model.area.own.clear)
-    enters, present = area.bool(slot.enters), area.bool(slot.present)
-    yield for_all_inputs(
-        "a train that leaves a part behind has not left",
-        (earlier_bool(present) & missing & ~enters & ~empty).implies(present & ~_leaves(model)),
-        statement="while the axles counted out of a train differ from those counted in, it stays in the area and keeps its "
-        "sections: no event of leaving clears them, only counters that report an empty area",
-        requirements=(*STAY, *CLEAR),
-    )
-
-
-def _not_counted(model: FibreArea) -> Iterator[Property]:
-    """Claim that a train whose axles were not counted does not leave."""
-    slot, area = model.area.own.slots[0], _of_slot(model)
-    own, of = model.entry, model.composition.of(model.entry.machine)
-    enters = area.bool(slot.enters)
-    uncounted = of.bool(~own.axles_in.present | ~own.axles_out.present)
-    yield for_all_inputs(
-        "a train of which axles were not counted is not counted out",
-        (uncounted | (~enters & ~earlier_bool(of.bool(own.sure)))).implies(~of.bool(own.sure) & ~_leaves(model)),
-        statement="from a cycle on in which a counter was disturbed, a train does not leave until another one enters in "
-        "its place: its balance of axles is no longer sure",
-        requirements=(*STAY, *CLEAR),
     )
 
 

@@ -1,0 +1,336 @@
+"""Claims on what the axle counters at both ends say, and on whom: this train, its axles, and the pattern that is its own (FVA-2, FVA-4, FVA-9).
+
+The axle section, the order of trains and the entry of this train act in one step; these claims read the counters' inputs themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property, partial
+
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
+from safeloc.language.spec import Property, always, earlier_bool, earlier_num
+from safeloc.language.units import COUNT, UM
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW
+from safeloc.models.fibre_area import FibreArea
+from safeloc.properties import axle_section, train_order
+
+LAW = (
+    "undisturbed counters count every axle and report every train that comes in; no train passes another; if there are as many patterns "
+    "as trains, lying apart, each contains a train; a vehicle between the counters has an axle there"
+)
+_STAY = ("FVA-2", "FVA-11")
+_COUNTER = ("FVA-4", "FVA-13")
+_CLEAR = ("FVA-9", "FVA-18")
+for_all_inputs = partial(always, unconditional=True)
+
+
+def counted(model: FibreArea) -> Iterator[Property]:
+    """Yield the claims."""
+    seen = _Counted(model)
+    yield from _of_machines(model)
+    yield from _its_pattern(seen)
+    yield from _left(seen)
+    yield from _events(seen)
+    yield from _in_order(seen)
+    yield from _area(seen)
+    yield _there(seen)
+
+
+class _Counted:
+    """The machines that hear the counters, after a step."""
+
+    def __init__(self, model: FibreArea) -> None:
+        self.model, of = model, model.composition.of
+        self.heads, self.entry = of(model.axle_section.machine), of(model.entry.machine)
+        self.order, self.area = of(model.order.machine), of(model.area.machine)
+
+    @cached_property
+    def counting(self) -> Bool:
+        """The section between the counters is clear, or occupied by axles that were counted in."""
+        machine = self.model.axle_section.machine
+        return self.heads.num(machine.mode).one_of(*machine.modes[1:3])
+
+    @cached_property
+    def is_clear(self) -> Bool:
+        """The section between the counters is clear."""
+        machine = self.model.axle_section.machine
+        return self.heads.num(machine.mode).eq(machine.modes[1])
+
+    @cached_property
+    def is_ordered(self) -> Bool:
+        """The order of trains is known."""
+        machine = self.model.order.machine
+        return self.order.num(machine.mode).eq(machine.modes[1])
+
+    @cached_property
+    def was_ordered(self) -> Bool:
+        """The order of trains was known before the step."""
+        return earlier_bool(self.is_ordered)
+
+    @cached_property
+    def was_outermost(self) -> tuple[Num, Num]:
+        """Numbers of the trains that were nearest to either end before the step; 0: none is known."""
+        ranks = [self.order.num(one) for one in self.model.order.own.order]
+        last = as_num(0, COUNT)
+        for rank in ranks:
+            last = ite(rank > 0, rank, last)
+        return earlier_num(ranks[0]), earlier_num(last)
+
+    @cached_property
+    def enters(self) -> Bool:
+        """This train comes in, at either end."""
+        return any_of(self.entry.num(one).eq(1) for one in self.model.entry.own.enters)
+
+    @cached_property
+    def surplus(self) -> Num:
+        """Axles of this train that went out in the step, less those that came in, by the heads at both ends."""
+        own, total = self.model.axle_section.own, as_num(0, COUNT)
+        ends = zip(self.was_outermost, self.model.entry.own.enters, own.into, own.out, strict=True)
+        for last, comes, into, out in ends:
+            here = last.eq(1) | self.entry.num(comes).eq(1)
+            total = total + ite(here, self.heads.num(out) - self.heads.num(into), 0)
+        return total
+
+    @cached_property
+    def all_left(self) -> Bool:
+        """All of this train has left."""
+        return self.entry.bool(self.model.entry.own.left)
+
+
+# ------------------------------------------------------------------ claims of the machines themselves
+
+
+def _of_machines(model: FibreArea) -> Iterator[Property]:
+    """Yield what the axle section and the order of trains claim of themselves: their laws are laws of the whole."""
+    for machine, claims in (
+        (model.axle_section.machine, axle_section.properties(model.axle_section)),
+        (model.order.machine, train_order.properties(model.order)),
+    ):
+        for claim in claims:
+            if claim.kind == "always":
+                yield model.composition.inherited(machine, claim)
+
+
+# ------------------------------------------------------------------ patterns
+
+
+def _its_pattern(seen: _Counted) -> Iterator[Property]:
+    model, own = seen.model, seen.model.order.own
+    verification, report = model.verification.machine, model.composition.of(model.report.machine)
+    trusted = model.composition.of(verification).bool(verification.flag("trusted"))
+    inside = seen.order.bool(own.trains[0].inside)
+    yield always(
+        "a trusted train is in its pattern",
+        trusted.implies(inside & _held(seen)),
+        statement="while the train is trusted it is between the counters, and in the pattern that is taken for its own, whatever other "
+        "patterns there are",
+        requirements=_STAY,
+        assumption=LAW,
+    )
+    yield for_all_inputs(
+        "the train's pattern is one that holds it",
+        report.bool(model.report.own.pattern_is_the_trains).implies(_held(seen)),
+        statement="what is assumed of the train's own pattern is assumed of a pattern that holds the train, and that is taken for its own",
+        requirements=_STAY,
+    )
+
+
+def _held(seen: _Counted) -> Bool:
+    """This train is in a pattern that is taken for its own."""
+    own, of = seen.model.order.own, seen.order
+    place = of.num(own.trains[0].place)
+    return any_of(
+        of.num(train).eq(1) & between(of.num(exact_to(low, UM)), place, of.num(exact_to(high, UM)))
+        for train, low, high in zip(own.belongs, own.lows, own.highs, strict=True)
+    )
+
+
+# ------------------------------------------------------------------ axles of this train
+
+
+def _left(seen: _Counted) -> Iterator[Property]:
+    model, own = seen.model, seen.model.entry.own
+    present = seen.area.bool(model.area.own.slots[0].present)
+    inside, sure = seen.entry.num(own.inside), seen.entry.bool(own.sure)
+    yield for_all_inputs(
+        "a train that leaves a part behind has not left",
+        all_of([earlier_bool(present), seen.surplus.ne(earlier_num(inside)), ~seen.enters, ~seen.is_clear]).implies(
+            present & ~seen.all_left
+        ),
+        statement="while the axles counted out of a train differ from those counted in, it stays in the area and keeps its "
+        "sections: no event of leaving clears them, only counters that report an empty area",
+        requirements=(*_STAY, *_CLEAR),
+    )
+    unsure = ~seen.counting | ~seen.was_ordered | (~seen.enters & ~earlier_bool(sure))
+    yield for_all_inputs(
+        "a train of which axles were not counted is not counted out",
+        (unsure & ~seen.is_clear).implies(~sure & ~seen.all_left),
+        statement="from a cycle on in which a counter was disturbed, or the order of trains was not known, a train does not leave until "
+        "another one enters in its place, or the counters report an empty area: its balance of axles is no longer sure",
+        requirements=(*_STAY, *_CLEAR),
+    )
+    yield for_all_inputs(
+        "clear counters let the train go",
+        (seen.is_clear & _was_here(seen) & ~seen.enters & ((earlier_num(inside) > 0) | ~earlier_bool(sure))).implies(
+            _gone(seen)
+        ),
+        statement="a train of which axles were in the area is gone in the cycle in which undisturbed counters report that no axle is: it is "
+        "neither awaited, nor verified against its record any more",
+        requirements=_STAY,
+    )
+    yield for_all_inputs(
+        "a train of which all axles went out has left",
+        all_of(
+            [
+                seen.counting,
+                seen.was_ordered,
+                earlier_bool(sure),
+                ~seen.enters,
+                _passes_out(seen),
+                seen.surplus.eq(earlier_num(inside)),
+            ]
+        ).implies(seen.all_left),
+        statement="a train that passes out where it is the outermost, and of which as many axles have been counted out as in, has left in "
+        "that cycle",
+        requirements=_STAY,
+    )
+
+
+def _was_here(seen: _Counted) -> Bool:
+    """The train was counted in, or its record came."""
+    machine = seen.model.entry.machine
+    return ~earlier_bool(seen.entry.num(machine.mode).eq(machine.modes[0]))
+
+
+def _gone(seen: _Counted) -> Bool:
+    """The entry waits for no train, and no reference is stored."""
+    entry, verification = seen.model.entry.machine, seen.model.verification.machine
+    away = seen.entry.num(entry.mode).eq(entry.modes[0])
+    none = seen.model.composition.of(verification).num(verification.mode).eq(verification.modes[0])
+    return away & none
+
+
+def _passes_out(seen: _Counted) -> Bool:
+    """The running part of this train passes out, at an end at which it is the outermost."""
+    ends = zip(seen.model.entry.own.leaves, seen.was_outermost, strict=True)
+    return any_of(seen.entry.bool(out) & last.eq(1) for out, last in ends)
+
+
+# ------------------------------------------------------------------ events
+
+
+def _events(seen: _Counted) -> Iterator[Property]:
+    """Claim who hears that a train comes or goes: heard at the other end, or of another train, everything is proved of that."""
+    own = seen.model.entry.own
+    comes = [seen.entry.num(one) for one in own.enters]
+    goes = [seen.entry.bool(one) for one in own.leaves]
+    terms = list[Bool]()
+    for slot in seen.model.area.own.slots:
+        event, number = seen.area.num(slot.event), slot.number
+        left = seen.all_left if number == 1 else comes[0].ne(number) & comes[1].ne(number)
+        at = [going & last.eq(number) & left for going, last in zip(goes, seen.was_outermost, strict=True)]
+        terms += [
+            event.eq(ENTERS_LOW).iff(comes[0].eq(number)),
+            event.eq(ENTERS_HIGH).iff(comes[1].eq(number) & comes[0].ne(number)),
+            event.eq(LEAVES_LOW).iff(at[0]),
+            event.eq(LEAVES_HIGH).iff(at[1] & ~at[0]),
+        ]
+    yield for_all_inputs(
+        "the area hears of a train at the end where it is counted",
+        all_of(terms),
+        statement="the area hears that a train comes in, and that all of the outermost train has left, in the cycle in which the counters "
+        "report it, and at the same end",
+        requirements=_CLEAR,
+    )
+
+
+def _in_order(seen: _Counted) -> Iterator[Property]:
+    """Claim what the order of trains hears of this one."""
+    known = seen.was_ordered & seen.counting
+    yield for_all_inputs(
+        "a train that left a part behind stays in the order",
+        all_of(
+            [known, ~_any_event_but_this(seen), ~seen.all_left, ~seen.is_clear, earlier_bool(_listed(seen))]
+        ).implies(_listed(seen)),
+        statement="a train is taken out of the order of trains only when all of it has left, or the counters report an empty area",
+        requirements=_STAY,
+    )
+    yield for_all_inputs(
+        "a train that has left is in the order no more",
+        all_of([seen.was_ordered, seen.all_left, _passes_out(seen), ~seen.enters]).implies(~_listed(seen)),
+        statement="a train of which all axles have left is taken out of the order of trains in that cycle",
+        requirements=_STAY,
+    )
+    own = seen.model.entry.own
+    others = all_of(~seen.entry.bool(one) for one in own.leaves) & _one_enters(seen)
+    yield for_all_inputs(
+        "a train that comes in is in the order",
+        all_of([known, seen.enters, others, earlier_bool(seen.order.num(seen.model.order.own.order[0]).eq(0))]).implies(
+            _listed(seen)
+        ),
+        statement="a train that is counted into an empty area is in the order of trains from that cycle on",
+        requirements=_STAY,
+    )
+    quiet = ~seen.enters & ~_any_event_but_this(seen) & all_of(~seen.entry.bool(one) for one in own.leaves)
+    yield for_all_inputs(
+        "clear counters make the order known",
+        (seen.is_clear & quiet).implies(seen.is_ordered & ~_listed(seen)),
+        statement="in a cycle in which the counters report an empty area and no train comes or goes, the order of trains is known: none is there",
+        requirements=_STAY,
+    )
+
+
+def _listed(seen: _Counted) -> Bool:
+    """This train is in the order of trains."""
+    return any_of(seen.order.num(one).eq(1) for one in seen.model.order.own.order)
+
+
+def _one_enters(seen: _Counted) -> Bool:
+    """A train comes in at one end at most."""
+    low, high = (seen.entry.num(one) for one in seen.model.entry.own.enters)
+    return (low < 1) | (high < 1)
+
+
+def _any_event_but_this(seen: _Counted) -> Bool:
+    """A train comes in, or another one than this goes out."""
+    own = seen.model.entry.own
+    comes = any_of(seen.entry.num(one) > 0 for one in own.enters)
+    return comes | any_of(
+        seen.entry.bool(out) & last.ne(1) for out, last in zip(own.leaves, seen.was_outermost, strict=True)
+    )
+
+
+# ------------------------------------------------------------------ the area
+
+
+def _area(seen: _Counted) -> Iterator[Property]:
+    area, machine = seen.model.area.own, seen.model.area.machine
+    swept = seen.area.bool(machine.flag("swept"))
+    busy = any_of(seen.area.bool(one.enters | one.accepted) for one in area.slots)
+    yield for_all_inputs(
+        "disturbed counters leave the area unswept",
+        (~seen.counting).implies(~swept & ~seen.is_ordered),
+        statement="in a cycle in which the counters do not count, vehicles may have come in uncounted: the area is not swept, and no order of "
+        "trains is known",
+        requirements=(*_COUNTER, *_CLEAR),
+    )
+    yield for_all_inputs(
+        "clear counters sweep the area",
+        (seen.is_clear & ~busy).implies(swept),
+        statement="in a cycle in which every axle that was counted in is out, the area is swept, unless a train comes in or is reported",
+        requirements=(*_COUNTER, *_CLEAR),
+    )
+
+
+def _there(seen: _Counted) -> Property:
+    slot = seen.model.area.own.slots[0]
+    there = seen.area.bool(slot.there)
+    axles = seen.heads.num(seen.model.axle_section.own.axles)
+    leaves = seen.area.bool(slot.leaves)
+    return for_all_inputs(
+        "axles between the counters keep the train there",
+        (earlier_bool(there) & ~leaves & (axles > 0)).implies(there),
+        statement="in the world of these claims, a train is in the area for as long as an axle is between the counters and it is not counted out",
+        requirements=_CLEAR,
+    )
