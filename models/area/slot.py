@@ -34,8 +34,8 @@ from safeloc.language.machine import ANY
 from safeloc.language.units import COUNT, MM, MS, UM
 from safeloc.models.area.inner import Inner, lowered, raised
 
-EVENT = members("event", "NONE", "ENTERS_LOW", "ENTERS_HIGH", "LEAVES_LOW", "LEAVES_HIGH")
-NO_EVENT, ENTERS_LOW, ENTERS_HIGH, LEAVES_LOW, LEAVES_HIGH = EVENT
+_EVENT = members("event", "NONE", "ENTERS_LOW", "ENTERS_HIGH", "LEAVES_LOW", "LEAVES_HIGH")
+NO_EVENT, ENTERS_LOW, ENTERS_HIGH, LEAVES_LOW, LEAVES_HIGH = _EVENT
 VERDICT = members("report", "NONE", "ACCEPTED", "UNTRUSTED", "INCOMPLETE", "STALE", "CONTRADICTED", "NOBODY")
 NO_REPORT, ACCEPTED, UNTRUSTED, INCOMPLETE, STALE, CONTRADICTED, NOBODY = VERDICT
 
@@ -206,7 +206,7 @@ def slot(
         number_,
         reach,
         integrity_is_trusted,
-        declared.sensor(choice(f"{name}_event", enumeration(EVENT))),
+        declared.sensor(choice(f"{name}_event", enumeration(_EVENT))),
         declared.sensor(optional(f"{name}_rear_mm", MM, -limit, limit)),
         declared.sensor(optional(f"{name}_front_mm", MM, -limit, limit)),
         declared.sensor(number(f"{name}_report_age_ms", MS, 0, 2 * reach.report_age_limit_ms)),

@@ -90,7 +90,7 @@ class Parts:
         self.sure = declared.state(boolean("count_is_sure"), first=True)
         self.left = declared.state(boolean("left"), first=False)
         self.in_part = declared.state(boolean("left_in_part"), first=False)
-        self.truly = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
+        self.true_axles_inside = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
         self.next_inside = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
         self.passed_in = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in sides)
         self.passed_out = tuple(declared.choice(number(f"true_axles_out_{side}", COUNT, 0, most)) for side in sides)
@@ -179,10 +179,10 @@ def build(own: Parts) -> Entry:
             "left_in_part": own.in_part,
         },
         transitions=list(_table(own, table)),
-        world=own.declared.world(moves={own.truly: own.next_inside}, clauses=_clauses(own)),
+        world=own.declared.world(moves={own.true_axles_inside: own.next_inside}, clauses=_clauses(own)),
         lemmas={
             "nothing is due from nobody but once": (own.due & own.source.eq(NOBODY)).implies(current.eq(table[3])),
-            "a sure balance is true": own.sure.implies(own.inside.eq(own.truly)),
+            "a sure balance is true": own.sure.implies(own.inside.eq(own.true_axles_inside)),
         },
         doc="Entry of a train, arrival of its reference or the lack of it, and its exit with as many axles as came in.",
     )
@@ -191,7 +191,7 @@ def build(own: Parts) -> Entry:
 
 def _clauses(own: Parts) -> dict[str, Law]:
     counted, passed = (*own.axles_in, *own.axles_out), (*own.passed_in, *own.passed_out)
-    there = ite(any_of(came.eq(THIS) for came in own.enters), 0, own.truly)
+    there = ite(any_of(came.eq(THIS) for came in own.enters), 0, own.true_axles_inside)
     came, went = (_of_the_outermost(own, axles) for axles in (own.passed_in, own.passed_out))
     return {
         EXACT: Law(

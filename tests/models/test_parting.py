@@ -213,7 +213,7 @@ OF_THE_EXIT: dict[str, tuple[str, Wrong]] = {
 def nothing_inside() -> tuple[Machine, Property]:
     """The machine of the entry, and that none of the axles of a train that left is in the area."""
     made = entry_model.build(entry_model.parts(trains=2, wait_cycles=240, axle_limit=1_000, axles_a_cycle=40))
-    out = made.own.left.implies(made.own.truly.eq(0))
+    out = made.own.left.implies(made.own.true_axles_inside.eq(0))
     return made.machine, always("nothing inside", out, statement="nothing is left", assumption="each axle is counted")
 
 

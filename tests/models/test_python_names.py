@@ -24,6 +24,7 @@ OTHERWISE = {
     "area.Side.came_in": "the word of the side stands at the end",
     "area.Inner.start": _KEYWORD,
     "area.Inner.end": _KEYWORD,
+    "fibre_area.Parts.source": _KEYWORD,
     "fibre_handover.Parts.source": _KEYWORD,
     "balise.Announcement.place": _READINGS,
     "motion.CheckGhosts.reported": "shared with the machines that have the odometer's error",
