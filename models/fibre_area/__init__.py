@@ -229,6 +229,7 @@ def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> 
     return {
         own.clear: axle_section.machine.flag("clear"),
         own.axle_between: heads.axles > 0,
+        own.occupied: axle_section.machine.flag("healthy") & ~axle_section.machine.flag("clear"),
         own.counters_count: axle_section.machine.flag("healthy") & ordered,
         **{to: maximum(minimum(rank, to.high), 0) for to, rank in zip(own.outermost, (low, high), strict=True)},
         **dict(zip(own.axles_in, heads.into, strict=True)),
@@ -248,7 +249,7 @@ def _order_wires(order: TrainOrder, axle_section: AxleSection, entry: Entry) -> 
         own.leaves_low: left[0],
         own.leaves_high: left[1],
         own.clear: axle_section.machine.flag("clear"),
-        own.fault: ~axle_section.machine.flag("healthy"),
+        own.fault: ~_counted(axle_section, entry),
     }
 
 
@@ -256,6 +257,11 @@ def ends(fibre: Fibre) -> tuple[Num, Num]:
     """Return bounds of one end of the train, as its machine reports them."""
     position, below, above = wired_interval(fibre.machine)
     return position - below, position + above
+
+
+def _counted(axle_section: AxleSection, entry: Entry) -> Bool:
+    """Return the condition that the counters count, and that axles which they count in are of a train that is known."""
+    return axle_section.machine.flag("healthy") & ~entry.own.unannounced
 
 
 def _verification_wires(
@@ -345,7 +351,7 @@ def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSect
     slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
     assert isinstance(area.own.axle_between, BoolVar)
     return {
-        area.own.healthy: axle_section.machine.flag("healthy"),
+        area.own.healthy: _counted(axle_section, entry),
         area.own.clear: axle_section.machine.flag("clear"),
         area.own.axle_between: axle_section.own.axles > 0,
         **{other.event: entry.own.event(other.number) for other in area.own.slots[1:]},

@@ -6,7 +6,8 @@
     MISSING  its reference did not come in time
 
 The counters report that a train comes in, with its number from train control, or that one has passed out; which one that is follows
-from the order of the trains. So do the axles: those that pass at an end belong to the train that is the outermost there.
+from the order of the trains. So do the axles: those that pass at an end belong to the train that is the outermost there. Axles that are
+counted in while no train is known in the area, and none comes in, are nobody's: somebody is there, and it is not known who.
 
 A reference is an axle counter's record, or the record handed over by the neighbouring area. It is due in the cycle in
 which it comes, or in which it is overdue; then its sender is NOBODY. The verification accepts or refuses it.
@@ -61,12 +62,14 @@ class Parts:
     outermost  number of the train that was the outermost at this end before the cycle, by the order of trains
     comes      sender of the reference that comes for this train in this cycle; NOBODY: none comes
     clear      the counters are undisturbed, and no axle is counted in
+    occupied   the counters are undisturbed, and axles are counted in
     counters_count  the counters are undisturbed, and the order of trains is known
     axles_in, axles_out  axles that the counter at this end counted in this cycle, into the area and out of it
     waited     cycles since this train was counted in without a reference
     due, source   messages to the verification
     inside, sure  axles of this train counted in and not out again; no count of them was missed
     left, in_part  in this cycle the whole train has left; a part of it left, and axles are still inside
+    unannounced    axles are counted in, of no train that is known or comes in
     true_axles_inside   ghost: this train's axles in the area, with every part that it lost
     passed_in, passed_out  ghosts: axles that really pass at this end in this cycle
     axle_between  ghost: after the cycle an axle is between the counters
@@ -80,6 +83,7 @@ class Parts:
         self.outermost = tuple(declared.sensor(number(f"outermost_{side}", COUNT, 0, trains)) for side in sides)
         self.comes = declared.sensor(choice("reference_comes", enumeration(FROM)))
         self.clear = declared.sensor(boolean("counters_clear"))
+        self.occupied = declared.sensor(boolean("counters_occupied"))
         self.counters_count = declared.sensor(boolean("counters_count"))
         self.axles_in = tuple(declared.sensor(number(f"axles_in_{side}", COUNT, 0, most)) for side in sides)
         self.axles_out = tuple(declared.sensor(number(f"axles_out_{side}", COUNT, 0, most)) for side in sides)
@@ -90,6 +94,7 @@ class Parts:
         self.sure = declared.state(boolean("count_is_sure"), first=True)
         self.left = declared.state(boolean("left"), first=False)
         self.in_part = declared.state(boolean("left_in_part"), first=False)
+        self.unannounced = declared.state(boolean("unannounced"), first=False)
         self.true_axles_inside = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
         self.next_inside = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
         self.passed_in = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in sides)
@@ -135,7 +140,12 @@ class Parts:
     def counted(self) -> Bool:
         """The balance is sure after the cycle."""
         possible = between(0, self.balance, self.inside.high)
-        return (self.enters_now | self.sure) & self.counters_count & possible
+        return (self.enters_now | self.sure) & self.counters_count & possible & ~self.of_nobody
+
+    @cached_property
+    def of_nobody(self) -> Bool:
+        """Axles are counted in, and no train is known in the area or comes in."""
+        return self.occupied & all_of(came.eq(0) & last.eq(0) for came, _, last in self._ends)
 
     @cached_property
     def complete(self) -> Bool:
@@ -177,6 +187,7 @@ def build(own: Parts) -> Entry:
             "axles_inside": own.inside,
             "left": own.left,
             "left_in_part": own.in_part,
+            "unannounced": own.unannounced,
         },
         transitions=list(_table(own, table)),
         world=own.declared.world(moves={own.true_axles_inside: own.next_inside}, clauses=_clauses(own)),
@@ -192,6 +203,7 @@ def build(own: Parts) -> Entry:
 def _clauses(own: Parts) -> dict[str, Law]:
     counted, passed = (*own.axles_in, *own.axles_out), (*own.passed_in, *own.passed_out)
     there = ite(any_of(came.eq(THIS) for came in own.enters), 0, own.true_axles_inside)
+    known = any_of(one > 0 for one in (*own.enters, *own.outermost))
     came, went = (_of_the_outermost(own, axles) for axles in (own.passed_in, own.passed_out))
     return {
         EXACT: Law(
@@ -215,12 +227,13 @@ def _clauses(own: Parts) -> dict[str, Law]:
             owner="nobody",
         ),
         "the axles at an end are those of the outermost train": Law(
-            own.counters_count.implies((own.next_inside - there).eq(came - went)),
-            "While the order of trains is known, the axles that pass at an end are those of the train that is the outermost there, or that "
-            "comes in there, and those of parts that it lost; no other one of its axles comes or goes. A train that comes in had none inside.",
-            source="[D] one track: no vehicle passes another, and two trains are more than a cycle apart",
+            (own.counters_count & (~own.occupied | known)).implies((own.next_inside - there).eq(came - went)),
+            "While the order of trains is known and names one, or one comes in, the axles that pass at an end are those of the train that is the "
+            "outermost there, or that comes in there, and those of parts that it lost; no other one of its axles comes or goes. A train that "
+            "comes in is announced in the cycle of its first axle.",
+            source="[D] one track: no vehicle passes another, and two trains are more than a cycle apart; [M] announcements by train control",
             owner="infrastructure",
-            check="no switch between the counters; headway",
+            check="no switch between the counters; headway; axles counted in while no train is announced",
         ),
     }
 
@@ -239,9 +252,10 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         own.inside: ite(own.counted, own.balance, as_num(0, COUNT)),
         own.sure: own.counted,
         own.left: FALSE,
+        own.unannounced: own.of_nobody,
         own.in_part: ~own.enters_now & (own.in_part | own.leaving),
     }
-    gone: Updates = {own.inside: 0, own.sure: TRUE, own.left: TRUE, own.in_part: FALSE}
+    gone: Updates = {own.inside: 0, own.sure: TRUE, own.left: TRUE, own.in_part: FALSE, own.unannounced: FALSE}
     not_due: Updates = {own.due: False, own.source: NOBODY}
     answered = together(stays, {own.waited: 0, own.due: True, own.source: own.comes})
     overdue = together(stays, {own.waited: 0, own.due: True, own.source: NOBODY})

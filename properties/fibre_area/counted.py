@@ -78,6 +78,12 @@ class _Counted:
         return earlier_num(ranks[0]), earlier_num(last)
 
     @cached_property
+    def of_nobody(self) -> Bool:
+        """Axles are counted in, no train was known in the area, and none comes in."""
+        comes = any_of(self.entry.num(one) > 0 for one in self.model.entry.own.enters)
+        return self.counting & ~self.is_clear & ~comes & all_of(last < 1 for last in self.was_outermost)
+
+    @cached_property
     def enters(self) -> Bool:
         """This train comes in, at either end."""
         return any_of(self.entry.num(one).eq(1) for one in self.model.entry.own.enters)
@@ -310,9 +316,9 @@ def _area(seen: _Counted) -> Iterator[Property]:
     busy = any_of(seen.area.bool(one.enters | one.accepted) for one in area.slots)
     yield for_all_inputs(
         "disturbed counters leave the area unswept",
-        (~seen.counting).implies(~swept & ~seen.is_ordered),
-        statement="in a cycle in which the counters do not count, vehicles may have come in uncounted: the area is not swept, and no order of "
-        "trains is known",
+        (~seen.counting | seen.of_nobody).implies(~swept & ~seen.is_ordered),
+        statement="in a cycle in which the counters do not count, or count in axles of which no train is known, vehicles may have come in "
+        "uncounted: the area is not swept, and no order of trains is known",
         requirements=(*_COUNTER, *_CLEAR),
     )
     yield for_all_inputs(
