@@ -25,12 +25,14 @@ LATE_RECORD = Journey(
     speeds_mm_s=((0, 30_000),),
     referred=False,
     area_mm=(0, 8_000_000),
-    cuts_mm=((3_000_000, 4_000_000),),
+    cuts_mm=((5_500_000, 6_500_000),),
     front_stuck=(100_000, 850_000),
     rear_stuck=(100_000, 850_000),
 )
-"""No counter refers the ends; both read a section that does not end, and later a word of the code."""
+"""No counter refers the ends; both read a section that does not end, and later a word of the code. The train is in the section when its record comes."""
 SERVICE = Journey(cycles=180, area_mm=LONG)
+UNCOUNTED = Journey(cycles=130, area_mm=LONG, cuts_mm=((500_000, 2_500_000),), uncounted=(52, 120))
+"""The detector loses count for longer than integrity is waited for, and counts again."""
 SPLIT = Journey(cycles=200, area_mm=LONG, cuts_mm=((700_000, 1_200_000),), split=60)
 """The last wagons come off at 1.2 km and stand; the count tells it 800 m later, the longest that it may take."""
 TURNED_BACK = Journey(
@@ -44,6 +46,7 @@ NAMED: Mapping[str, Journey] = {
     "late-record": LATE_RECORD,
     "service": SERVICE,
     "split": SPLIT,
+    "uncounted": UNCOUNTED,
     "turned-back-untrusted": _UNTRUSTED_ON_THE_WAY_BACK,
     "missed-section": Journey(cycles=90, front_missed=(1,)),
 }

@@ -33,6 +33,7 @@ class Journey:
     record       cycle in which the axle counter's record comes; None: never
     referred     the counter gives both ends a reference as they pass; otherwise the position code has to give their places
     counted_every  cycles between two counts of the axles
+    uncounted    (from, to) cycles in which the detector measures the train's length, but counts no axles
     split        cycle in which the last four axles are left behind and stand: the pattern goes on without them
     told_after_mm  run of the train after which the detector's count follows; None: the longest permitted
     emitter_dead (from, to) cycles in which no test pattern comes
@@ -52,6 +53,7 @@ class Journey:
     record: int | None = 14
     referred: bool = True
     counted_every: int = 3
+    uncounted: tuple[int, int] | None = None
     split: int | None = None
     counted_after_mm: int | None = None
     emitter_dead: tuple[int, int] | None = None
@@ -144,8 +146,7 @@ class _World:
 
     def _emitter(self, cycle: int) -> dict[str, Cell]:
         """Request the pattern in the first cycle; send it then and whenever it is due."""
-        emitter, dead = self._config.emitter, self._journey.emitter_dead
-        silent = dead is not None and dead[0] <= cycle < dead[1]
+        emitter, silent = self._config.emitter, _during(cycle, self._journey.emitter_dead)
         self._since += cycle >= 0
         heard = not silent and (cycle == 1 or self._since >= emitter.due_cycles - 1)
         self._since = 0 if heard else min(self._since, emitter.due_cycles)
@@ -155,8 +156,7 @@ class _World:
         return step
 
     def _silent(self, cycle: int) -> bool:
-        silent = self._journey.silent
-        return silent is not None and silent[0] <= cycle < silent[1]
+        return _during(cycle, self._journey.silent)
 
     def _counters(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, Cell]:
         """Return what the counters at both ends report, and the axles that passed them."""
@@ -220,7 +220,9 @@ class _World:
         if not self._silent(cycle):
             step["verification.fibre_speed_mm_s"] = self._speed(cycle)
         if cycle % journey.counted_every == 0 and not self._silent(cycle):
-            step |= {"verification.fibre_axles": self._axles(), "verification.fibre_length_mm": length_mm}
+            step["verification.fibre_length_mm"] = length_mm
+            if not _during(cycle, journey.uncounted):
+                step["verification.fibre_axles"] = self._axles()
         return step
 
     def _parted(self, cycle: int) -> bool:
@@ -253,6 +255,10 @@ class _World:
             "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,
             "area.next_loose_there": False, "area.next_loose_rear_um": low, "area.next_loose_front_um": high,
         }  # fmt: skip
+
+
+def _during(cycle: int, cycles: tuple[int, int] | None) -> bool:
+    return cycles is not None and cycles[0] <= cycle < cycles[1]
 
 
 def _cell(step: dict[str, Cell], name: str) -> int:

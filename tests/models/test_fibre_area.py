@@ -38,6 +38,7 @@ from safeloc.models.fibre_area.recorded_runs import (
     SERVICE,
     SPLIT,
     TURNED_BACK,
+    UNCOUNTED,
     write,
 )
 from safeloc.models.fibre_area.simulate import REMARK, Journey, first_state, simulate_journey
@@ -69,13 +70,18 @@ def made() -> FibreArea:
 
 def travelled(journey: Journey, **cells: dict[int, dict[str, Cell | None]]) -> Trace:
     """A journey, with cells changed (None: absent) in single cycles; every property holds on it."""
-    steps = [{name: cell for name, cell in step.items() if name != REMARK} for step in simulate(journey)]
+    steps = [without_remark(step) for step in simulate(journey)]
     for cycle, new in cells.get("at", {}).items():
         merged: dict[str, Cell | None] = {**steps[SWEPT + cycle], **new}
         steps[SWEPT + cycle] = {name: cell for name, cell in merged.items() if cell is not None}
     trace = run(made().composition.system, steps, first=first_state(CONFIG, journey))
     assert not [one for one in check_all(trace, properties(made())) if isinstance(one, Violated)]
     return trace
+
+
+def without_remark(step: dict[str, Cell]) -> dict[str, Cell]:
+    """The step without the truth that stands beside it."""
+    return {name: cell for name, cell in step.items() if name != REMARK}
 
 
 @cache
@@ -132,6 +138,41 @@ def test_the_recordings_come_out_the_same(tmp_path: Path) -> None:
     made = write(tmp_path)
     assert len(NAMED) == len(made)
     assert [path.name for path in made if path.read_bytes() != (FOLDER / path.name).read_bytes()] == []
+
+
+def test_a_section_is_ambiguous_while_nothing_counts() -> None:
+    """A trusted train of which no axles are counted for 30 s may have parted: its section is AMBIGUOUS until it is counted again."""
+    trace = travelled(UNCOUNTED)
+    assert {mode(trace, "verification", cycle) for cycle in range(15, 130)} == {"TRUSTED"}
+    assert [mode(trace, "section_1", cycle) for cycle in (111, 112, 119, 120)] == [
+        "OCCUPIED", "AMBIGUOUS", "AMBIGUOUS", "OCCUPIED"
+    ]  # fmt: skip
+
+
+def test_before_a_sweep_nothing_is_clear_and_nobody_is_trusted() -> None:
+    """As the service, but nobody reports the sweep: the counters never count."""
+    steps = [{**step, "axle_section.sweep_reported_clear": False} for step in simulate(SERVICE)]
+    trace = run(made().composition.system, [without_remark(step) for step in steps], first=first_state(CONFIG, SERVICE))
+    assert not any(step.outputs["verification.trusted"] for step in trace.steps)
+    assert {mode(trace, "section_1", cycle) for cycle in range(-SWEPT, SERVICE.cycles)} == {"UNKNOWN"}
+    assert {mode(trace, "train_order", cycle) for cycle in range(-SWEPT, SERVICE.cycles)} == {"UNKNOWN"}
+
+
+def test_a_fault_of_a_counter_ends_the_order_until_the_area_is_swept() -> None:
+    """A fault in the middle of the stay withholds the position for the rest of it, and no section becomes clear on the counters' word."""
+    trace = travelled(SERVICE, at={60: {"axle_section.head_fault": True}})
+    assert set(said(trace, "verification.reason")[60:150]) == {"NOT_ASSOCIATED"}
+    assert {mode(trace, "axle_section", cycle) for cycle in range(60, 180)} == {"DISTURBED"}
+    assert {mode(trace, "section_1", cycle) for cycle in range(60, 180)} <= {"OCCUPIED", "UNKNOWN"}
+    assert all(step.outputs["area.train_1_in_area"] for step in trace.steps[SWEPT:])
+
+
+def test_axles_of_nobody_are_a_disturbance() -> None:
+    """A train that nobody announces is in no slot: what the counters count in is somebody's, so nothing is clear any more."""
+    trace = travelled(SERVICE, at={0: {"entry.enters_low": 0}})
+    assert mode(trace, "section_1", -1) == "FREE"
+    assert {mode(trace, "section_1", cycle) for cycle in range(150)} == {"UNKNOWN"}
+    assert all(step.outputs["entry.unannounced"] for step in trace.steps[SWEPT : SWEPT + 150])
 
 
 @pytest.mark.thorough(ordinary=1)
