@@ -18,12 +18,11 @@ from safeloc.language.expr import TRUE, Bool
 from safeloc.language.spec import Goal, Property, always, observe
 from safeloc.language.system import Part, TransitionSystem, in_range
 from safeloc.language.terms import alike, variables
-from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.before_forking import prepare
-from safeloc.proof.provers.beyond_depth import deeper, longer
-from safeloc.proof.provers.bmc import Exhausted, bmc, search
+from safeloc.proof.provers.beyond_depth import longer
+from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
 from safeloc.proof.provers.dropped import Dropped, broken
@@ -35,8 +34,9 @@ from safeloc.proof.provers.inherited import contract_properties, contracts
 from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
+from safeloc.proof.provers.reached import reached
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
-from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
 from safeloc.proof.provers.relevance import relevance
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.settle import Settled, settled
@@ -57,7 +57,7 @@ def prove_one(goal: Goal, limits: Limits) -> Verdict:
     reached.
     """
     if goal.prop.kind == "reachable":
-        return _reach(goal, limits)
+        return reached(goal, limits)
     verdict = _in_turn(_ENGINES, goal, limits)
     return _with_escape(goal, verdict, limits) if isinstance(verdict, Unknown) else verdict
 
@@ -95,37 +95,6 @@ _ENGINES: tuple[_Engine, ...] = (
 )
 _QUICK = _ENGINES[:2]
 """Engines that are asked about a composition of a claim that one of its machines breaks by itself: its run is what a reader needs."""
-
-
-def _reach(goal: Goal, limits: Limits, recordings: Sequence[Recording] = ()) -> Verdict:
-    """Return a witness, or a proof that there is none: of a short run, then of a recorded one, then of longer ones.
-
-    In a composition a recorded run comes first: to search a short one takes longer than all its recordings. What is left of the time
-    goes into longer runs than the depth limit.
-    """
-    ends = deadline(limits.seconds)
-    if goal.system.parts and goal in (known := shown([goal], recordings)):
-        return replace(_witnessed(known[goal]), engine="recorded")
-    found = search(goal, replace(limits, seconds=limits.seconds / 2))
-    if not isinstance(found, Exhausted):
-        return _witnessed(found)
-    if goal in (recorded := shown([goal], recordings)):
-        return replace(_witnessed(recorded[goal]), engine="recorded")
-    never = kinduction(goal, replace(limits, seconds=limits.seconds / 2))
-    if isinstance(never, Proved):
-        how = rechecked_in_words(never.engine, never.rechecked)
-        return Violated(None, how, f"no run reaches it: proved by {never.engine}")
-    if isinstance(never, Vacuous):
-        return never
-    if found.depth == limits.depth and ends.left > 0:
-        found = search(goal, deeper(limits, ends.left))
-    if not isinstance(found, Exhausted):
-        return _witnessed(found)
-    return Unknown(f"not reached, and not shown to be unreachable: {found.reason}; try more --seconds", found.depth)
-
-
-def _witnessed(run: Trace) -> Proved:
-    return Proved(None, "bmc", len(run.steps), ("interpreter",), witness=run)
 
 
 def prove(
@@ -294,7 +263,7 @@ class _Claim:
 
 def _property_claim(system: TransitionSystem, prop: Property, recordings: Sequence[Recording]) -> _Claim:
     if prop.kind == "reachable":
-        return _Claim(observe(system, prop), partial(_reach, recordings=recordings))
+        return _Claim(observe(system, prop), partial(reached, recordings=recordings))
     return _Claim(observe(system, prop), prove_one if prop.kept_by is None else _kept_by_a_machine)
 
 

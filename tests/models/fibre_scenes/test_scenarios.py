@@ -124,14 +124,14 @@ def test_what_is_given_out_holds_the_front(name: str) -> None:
 
 
 def test_a_verified_run_is_trusted_from_the_record_to_the_exit() -> None:
-    """By count, length, place and speed; every section is occupied once, and free before and behind."""
+    """By count, length, place and speed; every section is free after the sweep, occupied once, and free behind."""
     assert ["NO_REFERENCE", "TRUSTED", "NO_REFERENCE"] == course("verified-run", "verification.mode")
     trace, _, _ = run_of("verified-run")
     told = trace.steps[said("verified-run", "verification.mode").index("TRUSTED")].outputs
     names = ("count", "length", "place_at_entry", "speed_at_entry")
     assert all(told[f"verification.verified_{name}"] for name in names)
     for _, _, states in virtual("verified-run"):
-        assert ("FREE", "FREE") == (states[0], states[-1])
+        assert ("UNKNOWN", "FREE", "FREE") == (states[0], states[20], states[-1])
         assert "OCCUPIED" in states
         assert "AMBIGUOUS" not in states
 
@@ -197,7 +197,7 @@ def test_a_run_through_20_km_is_verified_by_three_counters() -> None:
     _, steps, _ = run_of("verified-20-km")
     records = [number for number, row in enumerate(steps) if row["entry.reference_comes"] == "AXLE_COUNTER"]
     assert 2 == len(records)
-    leaves = [row["entry.event"] for row in steps].index("LEAVES_HIGH")
+    leaves = [row["entry.leaves_high"] for row in steps].index(True)
     assert {"TRUSTED"} == set(modes[records[0] + 4 : leaves])
     turns = [states.index("OCCUPIED") for _, _, states in virtual("verified-20-km")]
     assert 20 == len(turns)
