@@ -11,7 +11,7 @@ from functools import cached_property, partial
 from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import COUNT, UM
-from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW
+from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW
 from safeloc.models.fibre_area import FibreArea
 from safeloc.properties import axle_section, train_order
 
@@ -313,7 +313,7 @@ def _any_event_but_this(seen: _Counted) -> Bool:
 def _area(seen: _Counted) -> Iterator[Property]:
     area, machine = seen.model.area.own, seen.model.area.machine
     swept = seen.area.bool(machine.flag("swept"))
-    busy = any_of(seen.area.bool(one.enters | one.accepted) for one in area.slots)
+    busy = any_of(seen.area.bool(one.enters | one.last_verdict.eq(ACCEPTED)) for one in area.slots)
     yield for_all_inputs(
         "disturbed counters leave the area unswept",
         (~seen.counting | seen.of_nobody).implies(~swept & ~seen.is_ordered),

@@ -25,7 +25,7 @@ def test_each_stands_in_the_folder_of_its_machine() -> None:
     """A file for a machine, and small ones; there is none of a machine that is gone."""
     files = set(MODELS.rglob("*.jsonl.xz"))
     assert files == {MODELS / ENTRIES[name].folder / f"{name}.witnesses.jsonl.xz" for name in MADE}
-    assert sum(path.stat().st_size for path in files) < 360_000
+    assert sum(path.stat().st_size for path in files) < 420_000
 
 
 def systems(of: Target) -> dict[str, TransitionSystem]:
