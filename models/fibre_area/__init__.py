@@ -48,6 +48,7 @@ from safeloc.language.expr import (
     BoolVar,
     Expr,
     Num,
+    NumVar,
     Var,
     all_of,
     any_of,
@@ -231,7 +232,7 @@ def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> 
         own.axle_between: heads.axles > 0,
         own.occupied: axle_section.machine.flag("healthy") & ~axle_section.machine.flag("clear"),
         own.counters_count: axle_section.machine.flag("healthy") & ordered,
-        **{to: maximum(minimum(rank, to.high), 0) for to, rank in zip(own.outermost, (low, high), strict=True)},
+        **{to: _known(ordered, rank, to) for to, rank in zip(own.outermost, (low, high), strict=True)},
         **dict(zip(own.axles_in, heads.into, strict=True)),
         **dict(zip(own.axles_out, heads.out, strict=True)),
         **dict(zip(own.passed_in, heads.true_into, strict=True)),
@@ -239,15 +240,20 @@ def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> 
     }
 
 
+def _known(ordered: Bool, rank: Num, to: NumVar) -> Num:
+    """Return the number of a train, while the order is known."""
+    return ite(ordered, maximum(minimum(rank, to.high), 0), 0)
+
+
 def _order_wires(order: TrainOrder, axle_section: AxleSection, entry: Entry) -> dict[Var, Expr]:
     """Return the wires of the order: a train that left a part behind has not left."""
     own, passes = order.own, entry.own
-    left = [out & (last.ne(THIS) | passes.left) for out, last in zip(passes.leaves, passes.outermost, strict=True)]
+    low, high = passes.gone_at
     return {
         own.enters_low: passes.enters[0],
         own.enters_high: passes.enters[1],
-        own.leaves_low: left[0],
-        own.leaves_high: left[1],
+        own.leaves_low: low,
+        own.leaves_high: high,
         own.clear: axle_section.machine.flag("clear"),
         own.fault: ~_counted(axle_section, entry),
     }
@@ -294,7 +300,7 @@ def _verification_wires(
         own.chain_failed: emitter.machine.flag("failed"),
         own.due: entry.own.due,
         own.reference_from: entry.own.source,
-        own.leaves: entry.own.left,
+        own.leaves: entry.own.forgotten,
         own.associated: any_of(one.eq(THIS) for one in order.own.belongs),
         own.next_truth: front.own.ghosts.truth,
     }
@@ -323,7 +329,7 @@ def _report_wires(
     return {
         own.trusted: trusted,
         own.count_matches_now: trusted & verified.by_count & verified.verified_ago.eq(0),
-        own.gone: entry.own.left,
+        own.gone: entry.own.left | entry.own.enters_now,
         own.usable: usable,
         own.low: _if(usable, low),
         own.high: _if(usable, high),

@@ -10,11 +10,12 @@ from the order of the trains. So do the axles: those that pass at an end belong 
 counted in while no train is known in the area, and none comes in, are nobody's: somebody is there, and it is not known who.
 
 A reference is an axle counter's record, or the record handed over by the neighbouring area. It is due in the cycle in
-which it comes, or in which it is overdue; then its sender is NOBODY. The verification accepts or refuses it.
+which it comes, or in which it is overdue; then its sender is NOBODY. The verification accepts or refuses it. One that comes while the area is
+empty, as that of the counter at the exit, is forgotten in the next cycle; one of an earlier train, in the cycle in which the next one comes in.
 
 A train has left when the counters report its exit and as many of its axles were counted out as in since it entered, in every
 cycle by undisturbed counters. If fewer axles leave, the train has left a part behind: its exit is not passed on until the
-rest is counted out too. It has left as well when undisturbed counters report an empty area.
+rest is counted out and reported too. It has left as well when undisturbed counters report an empty area.
 """
 
 from __future__ import annotations
@@ -59,6 +60,7 @@ class Parts:
 
     enters     number of the train that comes in at this end in this cycle, by train control
     leaves     the running part of a train has passed out at this end in this cycle
+    all_left   of each other train: all of it has left, by the axles that its own machine counts
     outermost  number of the train that was the outermost at this end before the cycle, by the order of trains
     comes      sender of the reference that comes for this train in this cycle; NOBODY: none comes
     clear      the counters are undisturbed, and no axle is counted in
@@ -80,6 +82,7 @@ class Parts:
         sides, most = ("low", "high"), axles_a_cycle
         self.enters = tuple(declared.sensor(number(f"enters_{side}", COUNT, 0, trains)) for side in sides)
         self.leaves = tuple(declared.sensor(boolean(f"leaves_{side}")) for side in sides)
+        self.all_left = tuple(declared.sensor(boolean(f"train_{n}_all_left")) for n in range(2, trains + 1))
         self.outermost = tuple(declared.sensor(number(f"outermost_{side}", COUNT, 0, trains)) for side in sides)
         self.comes = declared.sensor(choice("reference_comes", enumeration(FROM)))
         self.clear = declared.sensor(boolean("counters_clear"))
@@ -105,8 +108,9 @@ class Parts:
     # -------------------------------------------------------------- the train of a cycle
 
     def event(self, train: int) -> Num:
-        """Return the event of one train at either end; one that passes out is the outermost there."""
-        low, high = ((came.eq(train), out & last.eq(train)) for came, out, last in self._ends)
+        """Return the event of one train at either end; one that passes out is the outermost there, and another one has left with all its axles."""
+        whole = TRUE if train == THIS else self.all_left[train - 2]
+        low, high = ((came.eq(train), out & last.eq(train) & whole) for came, out, last in self._ends)
         leaves = ite(high[1], LEAVES_HIGH, NO_EVENT)
         leaves = ite(low[1], LEAVES_LOW, leaves)
         return ite(low[0], ENTERS_LOW, ite(high[0], ENTERS_HIGH, leaves))
@@ -114,6 +118,17 @@ class Parts:
     @cached_property
     def _ends(self) -> tuple[tuple[Num, Bool, Num], ...]:
         return tuple(zip(self.enters, self.leaves, self.outermost, strict=True))
+
+    @property
+    def gone_at(self) -> tuple[Bool, Bool]:
+        """At either end, the outermost train has left with all its axles after the cycle; or one that is not known passes out."""
+        rest = [last.eq(n) & left for n, left in enumerate(self.all_left, 2) for last in self.outermost]
+        low, high = rest[::2], rest[1::2]
+        first, final = (
+            out & any_of([last.eq(0), last.eq(THIS) & self.left, *others])
+            for (_, out, last), others in zip(self._ends, (low, high), strict=True)
+        )
+        return first | (self.left & ~self.leaving & self.outermost[0].eq(THIS)), final
 
     @cached_property
     def enters_now(self) -> Bool:
@@ -126,8 +141,8 @@ class Parts:
         return self.event(THIS).one_of(LEAVES_LOW, LEAVES_HIGH)
 
     def of_this(self, axles: tuple[Num, ...]) -> Num:
-        """Return how many of the axles at both ends are this train's: it is the outermost there, or comes in there."""
-        mine = [came.eq(THIS) | last.eq(THIS) for came, _, last in self._ends]
+        """Return how many of the axles at both ends are this train's: it comes in there, or was the outermost and nobody comes in."""
+        mine = [ite(came.eq(0), last.eq(THIS), came.eq(THIS)) for came, _, last in self._ends]
         low, high = (ite(own, count, as_num(0, COUNT)) for own, count in zip(mine, axles, strict=True))
         return low + high
 
@@ -154,8 +169,13 @@ class Parts:
 
     @cached_property
     def emptied(self) -> Bool:
-        """The counters report an empty area, in which axles were before: the train's, or it is not known whose."""
-        return self.clear & ~self.enters_now & ((self.inside > 0) | ~self.sure)
+        """The counters report an empty area, into which this train does not come."""
+        return self.clear & ~self.enters_now
+
+    @property
+    def forgotten(self) -> Bool:
+        """What is known of an earlier train with this number holds no more: it has left, or another one comes in."""
+        return self.left | (self.enters_now & self.comes.eq(NOBODY))
 
     @property
     def passed_on(self) -> Num:
@@ -228,8 +248,8 @@ def _clauses(own: Parts) -> dict[str, Law]:
         ),
         "the axles at an end are those of the outermost train": Law(
             (own.counters_count & (~own.occupied | known)).implies((own.next_inside - there).eq(came - went)),
-            "While the order of trains is known and names one, or one comes in, the axles that pass at an end are those of the train that is the "
-            "outermost there, or that comes in there, and those of parts that it lost; no other one of its axles comes or goes. A train that "
+            "While the order of trains is known and names one, or one comes in, the axles that pass at an end are those of the train that comes "
+            "in there, or else of the outermost one, with parts that it lost; no other one of its axles comes or goes. A train that "
             "comes in is announced in the cycle of its first axle.",
             source="[D] one track: no vehicle passes another, and two trains are more than a cycle apart; [M] announcements by train control",
             owner="infrastructure",
@@ -239,10 +259,10 @@ def _clauses(own: Parts) -> dict[str, Law]:
 
 
 def _of_the_outermost(own: Parts, axles: tuple[Num, ...]) -> Num:
-    """Return the axles at those ends at which this train comes in, or was the outermost."""
+    """Return the axles at those ends at which this train comes in, or was the outermost before a cycle in which none comes in."""
     total = as_num(0, COUNT)
     for came, last, count in zip(own.enters, own.outermost, axles, strict=True):
-        total = total + ite(last.eq(THIS) | came.eq(THIS), count, 0)
+        total = total + ite((came > 0) & came.ne(THIS), 0, ite(came.eq(THIS) | last.eq(THIS), count, 0))
     return total
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import partial
 
 from safeloc.language.checks.machine import input_variables
-from safeloc.language.expr import Bool, BoolVar, Num, all_of, as_num, between, exact_to, ite
+from safeloc.language.expr import Bool, BoolVar, Num, all_of, any_of, as_num, between, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num, reachable
 from safeloc.language.system import in_range
 from safeloc.language.terms import Substitution
@@ -22,6 +22,7 @@ from safeloc.models.area.slot import ACCEPTED
 from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, ends
 from safeloc.models.sections import Sections
+from safeloc.models.verification.variables import NOBODY
 from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
 from safeloc.properties.fibre_area.counted import counted
@@ -297,7 +298,7 @@ def _latch(model: FibreArea) -> Iterator[Property]:
     yield for_all_inputs(
         "a mismatch is latched",
         (was_untrusted & mode.ne(untrusted)).implies(leaves | (due & seen.bool(verified.own.sound))),
-        statement="an untrusted train changes its state only by a sound record in its own cycle, or by leaving",
+        statement="an untrusted train changes its state only by a sound record in its own cycle, by leaving, or because another one comes in in its place",
         requirements=(*CLAIM, *STAY),
     )
     given = earlier_bool(_trusted(model))
@@ -316,7 +317,10 @@ def _latch(model: FibreArea) -> Iterator[Property]:
 
 
 def _leaves(model: FibreArea) -> Bool:
-    return model.composition.of(model.entry.machine).bool(model.entry.own.left)
+    """The train has left, or one comes in without a record: what was known of this number is forgotten."""
+    of, own = model.composition.of(model.entry.machine), model.entry.own
+    comes_in = any_of(of.num(one).eq(1) for one in own.enters) & of.num(own.comes).eq(NOBODY)
+    return of.bool(own.left) | comes_in
 
 
 # ------------------------------------------------------------------ sections

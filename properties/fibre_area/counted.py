@@ -13,6 +13,7 @@ from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.units import COUNT, UM
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW
 from safeloc.models.fibre_area import FibreArea
+from safeloc.models.verification.variables import NOBODY
 from safeloc.properties import axle_section, train_order
 
 LAW = (
@@ -31,10 +32,13 @@ def counted(model: FibreArea) -> Iterator[Property]:
     yield from _of_machines(model)
     yield from _its_pattern(seen)
     yield from _left(seen)
+    yield from _first(seen)
     yield from _events(seen)
+    yield _order_hears(seen)
     yield from _in_order(seen)
     yield from _area(seen)
     yield _there(seen)
+    yield from _ghosts(seen)
 
 
 class _Counted:
@@ -75,7 +79,9 @@ class _Counted:
         last = as_num(0, COUNT)
         for rank in ranks:
             last = ite(rank > 0, rank, last)
-        return earlier_num(ranks[0]), earlier_num(last)
+        none = as_num(0, COUNT)
+        low, high = (ite(self.was_ordered, earlier_num(rank), none) for rank in (ranks[0], last))
+        return low, high
 
     @cached_property
     def of_nobody(self) -> Bool:
@@ -94,7 +100,7 @@ class _Counted:
         own, total = self.model.axle_section.own, as_num(0, COUNT)
         ends = zip(self.was_outermost, self.model.entry.own.enters, own.into, own.out, strict=True)
         for last, comes, into, out in ends:
-            here = last.eq(1) | self.entry.num(comes).eq(1)
+            here = (self.entry.num(comes) < 1) & last.eq(1) | self.entry.num(comes).eq(1)
             total = total + ite(here, self.heads.num(out) - self.heads.num(into), 0)
         return total
 
@@ -178,11 +184,9 @@ def _left(seen: _Counted) -> Iterator[Property]:
     )
     yield for_all_inputs(
         "clear counters let the train go",
-        (seen.is_clear & _was_here(seen) & ~seen.enters & ((earlier_num(inside) > 0) | ~earlier_bool(sure))).implies(
-            _gone(seen)
-        ),
-        statement="a train of which axles were in the area is gone in the cycle in which undisturbed counters report that no axle is: it is "
-        "neither awaited, nor verified against its record any more",
+        (seen.is_clear & _was_here(seen) & ~seen.enters).implies(_gone(seen)),
+        statement="a train is gone in the cycle in which undisturbed counters report that no axle is in the area: it is neither awaited, nor "
+        "verified against its record any more, also not against one that came after it had left",
         requirements=_STAY,
     )
     yield for_all_inputs(
@@ -217,6 +221,41 @@ def _gone(seen: _Counted) -> Bool:
     return away & none
 
 
+def _first(seen: _Counted) -> Iterator[Property]:
+    """Claim what is known of a train that comes in, before its own record."""
+    entry, verification = seen.model.entry, seen.model.verification.machine
+    verified = seen.model.composition.of(verification)
+    nobody_sends = seen.entry.num(entry.own.comes).eq(NOBODY)
+    mode, waited = seen.entry.num(entry.machine.mode), seen.entry.num(entry.own.waited)
+    yield for_all_inputs(
+        "a train that comes in is verified against no earlier record",
+        (seen.enters & nobody_sends).implies(verified.num(verification.mode).eq(verification.modes[0])),
+        statement="in the cycle in which a train comes in, no reference is stored but one that comes in that cycle",
+        requirements=_STAY,
+    )
+    yield for_all_inputs(
+        "the wait for a reference begins with the entry and grows",
+        all_of(
+            [
+                (seen.enters & nobody_sends).implies(mode.eq(entry.machine.modes[1]) & waited.eq(0)),
+                (mode.eq(entry.machine.modes[1]) & ~seen.enters).implies(waited > earlier_num(waited)),
+            ]
+        ),
+        statement="a train that comes in without a record is awaited, and the time grows in every cycle in which none comes",
+        requirements=("FVA-D1", *_STAY),
+    )
+    part = seen.entry.bool(entry.own.in_part)
+    passes = any_of(
+        seen.entry.bool(out) & last.eq(1) for out, last in zip(entry.own.leaves, seen.was_outermost, strict=True)
+    )
+    yield for_all_inputs(
+        "a train that left a part behind is named",
+        (passes & ~seen.enters & ~seen.all_left).implies(part),
+        statement="a train that passes out with fewer axles than came in is reported as having left a part behind",
+        requirements=_STAY,
+    )
+
+
 def _passes_out(seen: _Counted) -> Bool:
     """The running part of this train passes out, at an end at which it is the outermost."""
     ends = zip(seen.model.entry.own.leaves, seen.was_outermost, strict=True)
@@ -234,7 +273,8 @@ def _events(seen: _Counted) -> Iterator[Property]:
     terms = list[Bool]()
     for slot in seen.model.area.own.slots:
         event, number = seen.area.num(slot.event), slot.number
-        left = seen.all_left if number == 1 else comes[0].ne(number) & comes[1].ne(number)
+        others = [seen.entry.bool(one) & comes[0].ne(n) & comes[1].ne(n) for n, one in enumerate(own.all_left, 2)]
+        left = [seen.all_left, *others][number - 1]
         at = [going & last.eq(number) & left for going, last in zip(goes, seen.was_outermost, strict=True)]
         terms += [
             event.eq(ENTERS_LOW).iff(comes[0].eq(number)),
@@ -248,6 +288,28 @@ def _events(seen: _Counted) -> Iterator[Property]:
         statement="the area hears that a train comes in, and that all of the outermost train has left, in the cycle in which the counters "
         "report it, and at the same end",
         requirements=_CLEAR,
+    )
+
+
+def _order_hears(seen: _Counted) -> Property:
+    entry, order, of = seen.model.entry.own, seen.model.order.own, seen.order
+    heard = [
+        of.num(mine).eq(seen.entry.num(reported))
+        for mine, reported in zip((order.enters_low, order.enters_high), entry.enters, strict=True)
+    ]
+    for mine, out, last in zip((order.leaves_low, order.leaves_high), entry.leaves, seen.was_outermost, strict=True):
+        here = [
+            last.eq(1) & seen.all_left,
+            *(last.eq(n) & seen.entry.bool(left) for n, left in enumerate(entry.all_left, 2)),
+        ]
+        heard.append((seen.entry.bool(out) & any_of(here)).implies(of.bool(mine)))
+        heard.append((of.bool(mine) & (last > 0)).implies(any_of([seen.all_left & last.eq(1), *here[1:]])))
+    return for_all_inputs(
+        "the order hears each train at its end",
+        all_of(heard),
+        statement="the order of trains hears that a train comes in at the end at which it does, and that the outermost one at an end is gone only "
+        "when all of it has left",
+        requirements=_STAY,
     )
 
 
@@ -338,5 +400,27 @@ def _there(seen: _Counted) -> Property:
         "axles between the counters keep the train there",
         (earlier_bool(there) & ~leaves & (axles > 0)).implies(there),
         statement="in the world of these claims, a train is in the area for as long as an axle is between the counters and it is not counted out",
+        requirements=_CLEAR,
+    )
+
+
+def _ghosts(seen: _Counted) -> Iterator[Property]:
+    """Claim what the ghosts of later machines stand for: a wire that hears more of them would assume what is to be proved."""
+    slot, entry = seen.model.area.own.slots[0], seen.model.entry.own
+    yield for_all_inputs(
+        "a train is all out when none of its axles is inside",
+        seen.area.bool(slot.next_all_out).iff(seen.entry.num(entry.true_axles_inside).eq(0)),
+        statement="what is assumed of a train that has left is assumed of one of which no axle is in the area",
+        requirements=_CLEAR,
+    )
+    own, verified = seen.model.report.own, seen.model.verification
+    of, report = seen.model.composition.of(verified.machine), seen.model.composition.of(seen.model.report.machine)
+    stored = of.num(verified.machine.mode).one_of(*verified.machine.modes[1:3])
+    yield for_all_inputs(
+        "all axles are counted of a train that had as many as its reference",
+        report.bool(own.count_had_all_axles).implies(
+            stored & of.num(verified.own.axles).eq(of.num(verified.own.stored_axles))
+        ),
+        statement="what is assumed of a count is assumed of one with as many axles as the reference that is stored",
         requirements=_CLEAR,
     )

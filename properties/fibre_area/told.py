@@ -113,9 +113,7 @@ def _distrusted(seen: _Seen) -> Iterator[Property]:
         causes[CHAIN_FAILED] = seen.chain("failed")
         yield for_all_inputs(
             "a chain that failed is latched",
-            all_of([_was_known(seen), seen.chain("failed"), ~seen.entry.bool(model.entry.own.left)]).implies(
-                seen.mode(3)
-            ),
+            all_of([_was_known(seen), seen.chain("failed"), ~_anew(seen)]).implies(seen.mode(3)),
             statement="a test of the fibre chain that failed, with a reference stored, makes the train untrusted until another accepted record",
             requirements=_EMITTER,
         )
@@ -148,6 +146,12 @@ def _withheld(seen: _Seen) -> Iterator[Property]:
         "pattern belongs to it by the order of trains; and as not tested only if no test of the chain has passed",
         requirements=(*_TRUST, *_EMITTER),
     )
+
+
+def _anew(seen: _Seen) -> Bool:
+    """The train has left, or one comes in with its number."""
+    own = seen.model.entry.own
+    return seen.entry.bool(own.left) | any_of(seen.entry.num(one).eq(1) for one in own.enters)
 
 
 def _was_known(seen: _Seen) -> Bool:
@@ -281,9 +285,7 @@ def _runs(seen: _Seen) -> Property:
     model, own = seen.model, seen.model.report.own
     run = model.composition.of(model.front.machine)
     measured, ran = run.bool(model.front.own.run.present), run.num(model.front.own.run.value)
-    mine = all_of(
-        [measured, seen.verification.bool(model.verification.own.associated), ~seen.entry.bool(model.entry.own.left)]
-    )
+    mine = all_of([measured, seen.verification.bool(model.verification.own.associated), ~_anew(seen)])
     least = 2 * (model.config.fibre.floor_mm + 1)
     straight = seen.report.num(own.run_one_way)
     return for_all_inputs(
