@@ -51,7 +51,7 @@ class Parts:
     """The variables of the machine.
 
     trusted, count_matches_now  the verification trusts the train; its count matched in this cycle
-    gone              the train was counted out
+    gone              the train was counted out, or another one comes in with its number
     low, high         bounds of the pattern, from its low end to its high end; usable: within the line's range
     front_low, rear_high  the same ends from inside: lower bound of the high end, upper bound of the low end
     longest           the greatest length that the reference allows, from end to end

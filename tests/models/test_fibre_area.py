@@ -15,6 +15,7 @@ from safeloc.catalogue import load_target
 from safeloc.language.expr import FALSE, TRUE, Expr, Var
 from safeloc.language.interpret import run
 from safeloc.language.monitor import check_all
+from safeloc.language.system import lower, without_ghosts
 from safeloc.language.trace import Step, Trace
 from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models import area as area_model
@@ -165,6 +166,38 @@ def test_a_fault_of_a_counter_ends_the_order_until_the_area_is_swept() -> None:
     assert {mode(trace, "axle_section", cycle) for cycle in range(60, 180)} == {"DISTURBED"}
     assert {mode(trace, "section_1", cycle) for cycle in range(60, 180)} == {"AMBIGUOUS", "UNKNOWN"}
     assert all(step.outputs["area.train_1_in_area"] for step in trace.steps[SWEPT:])
+
+
+def test_a_record_that_comes_after_the_exit_is_forgotten() -> None:
+    """As that of the counter at the exit, which is made when the train has passed: it is no reference of the next train."""
+    trace = travelled(SERVICE, at={161: {"entry.reference_comes": "AXLE_COUNTER"}})
+    assert [mode(trace, "entry", cycle) for cycle in (160, 161, 162)] == ["OUTSIDE", "TOLD", "OUTSIDE"]
+    assert [mode(trace, "verification", cycle) for cycle in (160, 162)] == ["NO_REFERENCE", "NO_REFERENCE"]
+
+
+def test_a_train_that_is_announced_late_frees_nothing() -> None:
+    """Its first axles are nobody's. Its last ones are lost, so that as many are counted out as in; nothing is freed over them."""
+    late = {0: {"entry.enters_low": 0}, 1: {"entry.enters_low": 1}}
+    trace = travelled(SPLIT, at=late)
+    assert {mode(trace, "section_1", cycle) for cycle in range(SPLIT.cycles)} == {"UNKNOWN"}
+    assert not any(step.outputs["entry.left"] for step in trace.steps[SWEPT:])
+
+
+def test_axles_of_a_train_that_comes_in_behind_are_its_own() -> None:
+    """The one before is still the outermost in that cycle, and no axle of the other counts for it."""
+    own = entry_model.parts(trains=2, wait_cycles=240, axle_limit=1_000, axles_a_cycle=40)
+    still: dict[str, Cell] = {
+        "enters_low": 0, "enters_high": 0, "leaves_low": False, "leaves_high": False, "train_2_all_left": False,
+        "outermost_low": 1, "outermost_high": 1, "reference_comes": "NOBODY", "counters_clear": False,
+        "counters_occupied": True, "counters_count": True, "axles_in_low": 0, "axles_in_high": 0, "axles_out_low": 0, "axles_out_high": 0,
+    }  # fmt: skip
+    first = {"enters_low": 1, "outermost_low": 0, "outermost_high": 0, "axles_in_low": 4}
+    steps = [{**still, **first}, {**still, "axles_in_low": 36}, {**still, "enters_low": 2, "axles_in_low": 4}]
+    out = [{**still, "outermost_low": 2, "axles_out_high": 40, "leaves_high": True}]
+    system = without_ghosts(lower(entry_model.build(own).machine))
+    trace = run(system, [*steps, *out], first={})
+    assert [step.outputs["axles_inside"] for step in trace.steps] == [4, 40, 40, 0]
+    assert [step.outputs["left"] for step in trace.steps] == [False, False, False, True]
 
 
 def test_axles_of_nobody_are_a_disturbance() -> None:

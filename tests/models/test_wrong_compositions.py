@@ -278,6 +278,27 @@ def _patterns(of: Wired) -> NumVar:
     return var
 
 
+def _ends_exchanged(of: Wired) -> Wires:
+    """The order of trains is that seen in a mirror: another train's pattern is taken for this one's."""
+    low, high = "train_order.enters_low", "train_order.enters_high"
+    return {of.to(low): of.right(high), of.to(high): of.right(low)}
+
+
+def _earlier_record_kept(of: Wired) -> Wires:
+    """A train that comes in is verified against the record of the one before."""
+    return {of.to("verification.train_leaves"): of.of("entry.left")}
+
+
+def assumed(name: str) -> Wrong:
+    """The wire on which a ghost always is true: what was to be proved is assumed."""
+
+    def wrong(of: Wired) -> Wires:
+        return {of.to(name): TRUE}
+
+    wrong.__name__ = f"{name} assumed"
+    return wrong
+
+
 def _always_undisturbed(of: Wired) -> Wires:
     return {of.to("area.counters_healthy"): TRUE}
 
@@ -439,6 +460,15 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_area", _always_undisturbed, "disturbed counters leave the area unswept"),
     ("fibre_area", cut("area.counters_healthy"), "clear counters sweep the area"),
     ("fibre_area", cut("area.counters_clear"), "clear counters sweep the area"),
+    ("fibre_area", _ends_exchanged, "the order hears each train at its end"),
+    ("fibre_area", _earlier_record_kept, "a train that comes in is verified against no earlier record"),
+    ("fibre_area", assumed("area.train_1_next_all_out"), "a train is all out when none of its axles is inside"),
+    (
+        "fibre_area",
+        assumed("report.count_had_all_axles"),
+        "all axles are counted of a train that had as many as its reference",
+    ),
+    ("fibre_area", assumed("report.pattern_is_the_trains"), "the train's pattern is one that holds it"),
     ("fibre_area", cut("area.axle_between"), "axles between the counters keep the train there"),
     (
         "counted_entry",
