@@ -174,7 +174,7 @@ class Parts:
 
     @property
     def forgotten(self) -> Bool:
-        """What is known of an earlier train with this number holds no more: it has left, or another one comes in."""
+        """The reference of an earlier train with this number is no more: it has left, or another one comes in."""
         return self.left | (self.enters_now & self.comes.eq(NOBODY))
 
     @property
