@@ -11,8 +11,9 @@ from safeloc.reported import Reported
 from safeloc.target import Entry, Family, Hazard, Target, recorded
 
 DOC = (
-    "A train in a line area, from backscatter to virtual sections in one step: both ends' fibre machines, the test "
-    "emitter, the entry record, the verification, what is believed of the ends, the area and its sections."
+    "A train in a line area, from backscatter to virtual sections in one step: axle counters at both ends, the train's entry "
+    "and exit, the order of trains, both ends' fibre machines, the test emitter, the verification, what is believed of the "
+    "ends, the area and its sections."
 )
 REPORTED = Reported(
     position="verification.position_mm",
