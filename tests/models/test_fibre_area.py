@@ -13,9 +13,9 @@ from pydantic import ValidationError
 
 from safeloc.catalogue import load_target
 from safeloc.language.expr import FALSE, TRUE, Expr, Var
-from safeloc.language.interpret import run
+from safeloc.language.interpret import run, start, taken
 from safeloc.language.monitor import check_all
-from safeloc.language.system import lower, without_ghosts
+from safeloc.language.system import environment, lower, without_ghosts
 from safeloc.language.trace import Step, Trace
 from safeloc.language.verdict import Proved, Violated, word
 from safeloc.models import area as area_model
@@ -42,7 +42,7 @@ from safeloc.models.fibre_area.recorded_runs import (
     UNCOUNTED,
     write,
 )
-from safeloc.models.fibre_area.simulate import REMARK, Journey, first_state, simulate_journey
+from safeloc.models.fibre_area.simulate import LOST_AXLES, REMARK, Journey, first_state, simulate_journey
 from safeloc.models.fibre_area.simulated_counters import sweep
 from safeloc.models.sections import SectionsConfig, section
 from safeloc.models.train_order import TrainOrder, TrainOrderConfig
@@ -173,6 +173,35 @@ def test_a_record_that_comes_after_the_exit_is_forgotten() -> None:
     trace = travelled(SERVICE, at={161: {"entry.reference_comes": "AXLE_COUNTER"}})
     assert [mode(trace, "entry", cycle) for cycle in (160, 161, 162)] == ["OUTSIDE", "TOLD", "OUTSIDE"]
     assert [mode(trace, "verification", cycle) for cycle in (160, 162)] == ["NO_REFERENCE", "NO_REFERENCE"]
+
+
+def lawful(steps: list[dict[str, Cell]], journey: Journey) -> bool:
+    """Whether the laws of the world allow every step."""
+    system = made().composition.system
+    taken_ = taken(system, start(system, first_state(CONFIG, journey)), steps, while_=environment(system))
+    return len(list(taken_)) == len(steps)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_journeys_obey_the_laws(name: str) -> None:
+    """From the first step to the last: a proof speaks of them."""
+    assert lawful([without_remark(step) for step in simulate(NAMED[name])], NAMED[name])
+
+
+def test_a_part_that_is_counted_out_later_ends_the_stay() -> None:
+    """In the cycle in which the counters are clear, without a report of its exit; the laws allow it, so the proofs speak of it."""
+    out = SWEPT + 190
+    last = {"axle_section.axles_out_low": LOST_AXLES, "axle_section.true_axles_out_low": LOST_AXLES}
+    empty = {"entry.next_axles_inside": 0, "train_order.next_train_1_inside": False}
+    steps = [
+        {**without_remark(step), **(last if number == out else {}), **(empty if number >= out else {})}
+        for number, step in enumerate(simulate(SPLIT))
+    ]
+    assert lawful(steps, SPLIT)
+    trace = run(made().composition.system, steps, first=first_state(CONFIG, SPLIT))
+    assert [mode(trace, "axle_section", cycle) for cycle in (189, 190)] == ["OCCUPIED", "CLEAR"]
+    assert [mode(trace, "entry", cycle) for cycle in (189, 190)] == ["TOLD", "OUTSIDE"]
+    assert [mode(trace, "section_1", cycle) for cycle in (189, 190)] == ["UNKNOWN", "FREE"]
 
 
 def test_a_train_that_is_announced_late_frees_nothing() -> None:
