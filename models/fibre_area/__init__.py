@@ -13,10 +13,17 @@
 The machines act in this order within one step. So any disagreement withholds and revokes the position, and keeps sections
 from becoming clear, in the very cycle in which it occurs. "Front" is the end towards growing positions, whichever way the
 train runs; the other one is the rear. The train is slot 1 of the area; the reports of other trains (slots 2 on) are
-inputs, which other such compositions produce.
+inputs, which other such compositions produce. `entry` alone hears a later machine, one step late: which trains were outermost, by the order.
 
 Inputs of a cycle, by name; all others are wired:
 
+    axle_section.axles_in_low, _in_high, _out_low, _out_high   axles that the heads at both ends counted in this cycle
+    axle_section.head_fault, head_damped, reset_requested, sweep_reported_clear
+    entry.enters_low, enters_high  number of the train that comes in there, in the cycle of its first axle; 0: none
+    entry.leaves_low, leaves_high  the running part of a train has passed out there
+    entry.train_k_all_left  (k from 2)   all of that train has left, as its own composition counts
+    entry.reference_comes          sender of the record that comes for this train in this cycle: NOBODY, AXLE_COUNTER or NEIGHBOUR
+    train_order.patterns, pattern_n_low_mm, pattern_n_high_mm  number and ends of the fibre's patterns in the area, from the low end
     front.*, rear.*                as models.fibre: amplitude_cdb, run_mm, flight_position_mm, reflecting_point_mm,
                                    ahead_*, behind_*, reference_accepted, reference_count, reference_position_mm,
                                    word_found, word_count, word_position_mm

@@ -121,14 +121,19 @@ class Parts:
 
     @property
     def gone_at(self) -> tuple[Bool, Bool]:
-        """At either end, the outermost train has left with all its axles after the cycle; or one that is not known passes out."""
-        rest = [last.eq(n) & left for n, left in enumerate(self.all_left, 2) for last in self.outermost]
-        low, high = rest[::2], rest[1::2]
-        first, final = (
-            out & any_of([last.eq(0), last.eq(THIS) & self.left, *others])
-            for (_, out, last), others in zip(self._ends, (low, high), strict=True)
+        """At either end, the outermost train has left with all its axles, or one that is not known passes out.
+
+        A train that has left because the counters are clear is gone at the low end, whichever it left by: the order hears of it.
+        """
+        low, high = (
+            out & any_of([last.eq(0), last.eq(THIS) & self.left, *self._others_left(last)])
+            for _, out, last in self._ends
         )
-        return first | (self.left & ~self.leaving & self.outermost[0].eq(THIS)), final
+        cleared = self.left & ~self.leaving & self.outermost[0].eq(THIS)
+        return low | cleared, high
+
+    def _others_left(self, outermost: Num) -> list[Bool]:
+        return [outermost.eq(number) & left for number, left in enumerate(self.all_left, 2)]
 
     @cached_property
     def enters_now(self) -> Bool:

@@ -245,12 +245,9 @@ def _first(seen: _Counted) -> Iterator[Property]:
         requirements=("FVA-D1", *_STAY),
     )
     part = seen.entry.bool(entry.own.in_part)
-    passes = any_of(
-        seen.entry.bool(out) & last.eq(1) for out, last in zip(entry.own.leaves, seen.was_outermost, strict=True)
-    )
     yield for_all_inputs(
         "a train that left a part behind is named",
-        (passes & ~seen.enters & ~seen.all_left).implies(part),
+        (_passes_out(seen) & ~seen.enters & ~seen.all_left).implies(part),
         statement="a train that passes out with fewer axles than came in is reported as having left a part behind",
         requirements=_STAY,
     )
@@ -266,7 +263,7 @@ def _passes_out(seen: _Counted) -> Bool:
 
 
 def _events(seen: _Counted) -> Iterator[Property]:
-    """Claim who hears that a train comes or goes: heard at the other end, or of another train, everything is proved of that."""
+    """Claim at which end, and of which train, the area hears that one comes or goes: else everything is proved of a wrong one."""
     own = seen.model.entry.own
     comes = [seen.entry.num(one) for one in own.enters]
     goes = [seen.entry.bool(one) for one in own.leaves]
@@ -303,7 +300,7 @@ def _order_hears(seen: _Counted) -> Property:
             *(last.eq(n) & seen.entry.bool(left) for n, left in enumerate(entry.all_left, 2)),
         ]
         heard.append((seen.entry.bool(out) & any_of(here)).implies(of.bool(mine)))
-        heard.append((of.bool(mine) & (last > 0)).implies(any_of([seen.all_left & last.eq(1), *here[1:]])))
+        heard.append((of.bool(mine) & (last > 0)).implies(any_of(here)))
     return for_all_inputs(
         "the order hears each train at its end",
         all_of(heard),
