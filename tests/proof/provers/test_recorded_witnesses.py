@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from safeloc.errors import EngineError
+from safeloc.language.composition import compose
 from safeloc.language.expr import number
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Goal, observe, reachable
@@ -16,6 +17,7 @@ from safeloc.proof.provers import recorded_witnesses
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
 from safeloc.proof.provers.portfolio import prove
+from safeloc.proof.provers.reached import reached
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting, shown
 from safeloc.proof.results import Finding
 
@@ -134,3 +136,20 @@ def test_a_reachable_property_beyond_the_search_is_shown_by_a_recording() -> Non
     assert shown_.method == "recorded, re-checked by interpreter"
     early = verdict(recording(*[7] * 3))
     assert not isinstance(early.result, Proved) or early.result.engine == "bmc"
+
+
+def test_a_recorded_run_comes_first_in_a_composition() -> None:
+    """There a short run takes long to search; of a single machine the short one is the witness, though a recording has it too."""
+    alone, prop = system(), reachable("counts", N > 0)
+    whole = compose("whole", [COUNTER], {})
+    inside = reachable("counts", whole.of(COUNTER).bool(N > 0))
+    named = Recording({"deep.start": 3}, [{"deep.x": 8}] * 4)
+    limits = Limits(depth=5, seconds=2)
+    of_one = reached(observe(alone, prop), limits, [recording(8, 8, 8)])
+    of_all = reached(observe(whole.system, inside), limits, [named])
+    assert isinstance(of_one, Proved)
+    assert isinstance(of_all, Proved)
+    assert ("bmc", "recorded") == (of_one.engine, of_all.engine)
+    without = reached(observe(whole.system, inside), limits)
+    assert isinstance(without, Proved)
+    assert "bmc" == without.engine
