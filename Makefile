@@ -19,6 +19,8 @@ ENDED := -o faulthandler_timeout=900 -o faulthandler_exit_on_timeout=true
 WHICH := ordinary
 # Many tests and all proofs start processes: what is compiled once is kept, also where the environment says otherwise.
 export PYTHONDONTWRITEBYTECODE :=
+# Most modules of the packages are never imported, so pip compiles none: it would take longer than all the rest of the installation.
+INSTALL := $(BIN)/python -m pip install --quiet --no-compile
 
 .PHONY: verify test test-all test-long docs lint formatted ruff mypy pyright bench coverage clean
 
@@ -49,7 +51,7 @@ test-long: $(READY)
 docs: .venv/docs
 	$(BIN)/python -m sphinx --nitpicky --fail-on-warning --keep-going --quiet --jobs 2 -c packaging/site -b html . build/site
 
-lint: formatted ruff mypy pyright
+lint: pyright mypy formatted ruff
 
 formatted: $(READY)
 	$(BIN)/ruff format --check .
@@ -70,7 +72,7 @@ clean:
 	rm -rf .venv build dist *.egg-info safeloc-report
 
 .venv/docs: $(READY)
-	$(BIN)/python -m pip install --quiet -e '.[docs]'
+	$(INSTALL) -e '.[docs]'
 	touch $@
 
 # Installed as editable, so that an edit in the checkout is seen at once; the wheel is what tests/test_packaging.py tries.
@@ -78,5 +80,5 @@ $(READY): pyproject.toml setup.py
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --upgrade pip
-	$(BIN)/python -m pip install --quiet -e '.[dev,bench]'
+	$(INSTALL) -e '.[dev,bench]'
 	touch $(READY)
