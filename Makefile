@@ -5,6 +5,7 @@
 #   edits                                                  what is kept of earlier runs never changes a verdict (tests/edits)
 #   mutants                                                wrong machines of all machines: each is noticed, or has a written reason (docs/mutation.md)
 #   javascript                                             machines as scripts against generated Python, step by step
+#   slow                                                   tests that take minutes each (tests/slow_tests.py)
 #   readers, oracle, soak                                  readers given anything, mishaps to streams, a day of a fleet
 PYTHON ?= python3
 BIN := .venv/bin
@@ -31,7 +32,7 @@ test: $(READY)
 	$(BIN)/python -m pytest $(SHARED) $(ENDED) -m "$(WHICH)"
 
 test-all: $(READY)
-	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest $(SHARED)
+	SAFELOC_HYPOTHESIS=deep $(BIN)/python -m pytest $(SHARED) -m "not slow"
 
 # One line a topic: long-NAME is the command of TOPIC=NAME; what it writes stands in long/.
 long-fuzz = -m tests.fuzz --machines 20000 --compositions 1000 --seed 1 --out long/fuzz.jsonl
@@ -40,6 +41,7 @@ long-oracle = -m tests.runtime.streams.oracle --lines 10000000 --seed 1 --out lo
 long-edits = -m tests.edits --edits 200 --seed 1 --out long/edits.jsonl
 long-mutants = -m tests.mutants --sample 10000 --seed 1 --out long/mutants.jsonl
 long-javascript = -m tests.codegen.long_javascript --steps 1000000 --seed 1 --out long/javascript.jsonl
+long-slow = -m tests.slow_tests --jobs 2 --out long/slow.jsonl
 long-soak = -m tests.soak --hours-of-fleet 24 --vehicles 200 --wall-minutes 60 --out long/soak.jsonl
 
 test-long: $(READY)

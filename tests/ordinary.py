@@ -1,6 +1,6 @@
 """Which cases are ordinary: those of tests without a mark, and of one that is marked `thorough(ordinary=3)` three, spread evenly.
 
-`make test` and CI run the ordinary ones, `make test WHICH="not slow"` all that take less than minutes, `make test-all` all there are.
+`make test` and CI run the ordinary ones, `make test-all` all that take less than minutes, `make test-long TOPIC=slow` those that take longer.
 """
 
 from __future__ import annotations
