@@ -24,7 +24,7 @@ from safeloc.proof.provers.replayed_evidence import confirmed
 
 FURTHER = 3
 _MOST_STARTS = 80
-_SECONDS_EACH = 2.0
+SECONDS_EACH = 2.0
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,14 @@ def onward(
     recordings: Sequence[Recording],
     ends: Deadline,
     further: int = FURTHER,
+    each_s: float = SECONDS_EACH,
 ) -> dict[int, Trace]:
     """Return runs that follow a recording and reach a goal a few steps later, by number of the goal.
 
     All goals rely on the same assumption.
 
     further  the greatest number of these steps
+    each_s   seconds of effort for the search from one state
     """
     found: dict[int, Trace] = {}
     if not goals or not recordings:
@@ -60,7 +62,13 @@ def onward(
         if ends.passed or not left:
             break
         begins = zip(replay.watched.state, start.state, strict=True)
-        suffix = _suffix(unrolling, [unrolling.at(var, 0) == value for var, value in begins], left, ends, further)
+        suffix = _suffix(
+            unrolling,
+            [unrolling.at(var, 0) == value for var, value in begins],
+            left,
+            deadline(min(each_s, ends.left)),
+            further,
+        )
         if suffix is not None:
             names = {var.name for var in system.inputs}
             recorded: list[Mapping[str, object]] = [
@@ -97,7 +105,6 @@ def _suffix(
     unrolling: Unrolling, begins: Sequence[z3.BoolRef | bool], goals: Mapping[int, Goal], ends: Deadline, further: int
 ) -> _Suffix | None:
     """Search for the fewest steps from a state to one of the goals; None if there are none within the limits."""
-    ends = deadline(min(_SECONDS_EACH, ends.left))
     runs = Deepening(unrolling, new_solver(), begins)
     while runs.depth + 1 < further:
         runs.deeper()

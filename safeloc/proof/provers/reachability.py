@@ -20,7 +20,7 @@ from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
-from safeloc.proof.provers.onward import onward
+from safeloc.proof.provers.onward import SECONDS_EACH, onward
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachable_targets import Target, targets_of
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
@@ -37,6 +37,8 @@ SHIPPED = "witness"
 """The engine of a run that ships with the machine."""
 SHALLOW = 3
 """Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
+_EACH_LEAP = 0.2
+"""Share of the limit for the search from one state, under the assumption."""
 _LEAPS = (3, 6)
 """Steps by which such a search goes on from a run: a few at first, more for what is left."""
 
@@ -83,7 +85,9 @@ def beyond_known_runs(
     kept = _going_on(targets, soon)
     members = list(_members(system, targets, kept.left, known, limits, witnesses))
     kept = _excluded_in_the_whole(kept, members, known.everything, limits)
-    kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST) if system.parts else limits)
+    kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST))
+    if not system.parts:
+        kept = _searched(_leapt(kept, limits), limits)
     unseen = [one for one in targets if one.goal in kept.left]
     alone, depth = _by_itself(members, unseen, limits, witnesses), kept.depth
     if system.parts:
@@ -236,15 +240,33 @@ def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes
     """
     wanted = list(dict.fromkeys([*goals, *modes]))
     found = dict(first_runs(wanted, replace(limits, depth=min(SHALLOW, limits.depth))).found)
-    for further in _LEAPS:
-        new = [*runs, *found.values()]
-        while new and any(goal not in found for goal in goals):
-            left = dict(enumerate(goal for goal in wanted if goal not in found))
-            known = [Recording(run.initial, run.stream()) for run in new]
-            farther = onward(goals[0].plain, left, known, deadline(limits.seconds), further)
-            found |= {left[number]: run for number, run in farther.items()}
-            new = list(farther.values())
+    found |= _farther(goals, [goal for goal in wanted if goal not in found], limits, [*runs, *found.values()])
     return {goal: run for goal, run in found.items() if goal in set(goals)}
+
+
+def _farther(
+    goals: Sequence[Goal], wanted: Sequence[Goal], limits: Limits, runs: Sequence[Trace], each_s: float = SECONDS_EACH
+) -> dict[Goal, Trace]:
+    """Go on from runs to the wanted goals, and from what that finds, as long as some of `goals` are left."""
+    found, left = dict[Goal, Trace](), set(goals).intersection(wanted)
+    for further in _LEAPS:
+        new = list(runs) + list(found.values())
+        while new and not left <= found.keys():
+            asked = dict(enumerate(goal for goal in wanted if goal not in found))
+            known = [Recording(run.initial, run.stream()) for run in new]
+            farther = onward(goals[0].plain, asked, known, deadline(limits.seconds), further, each_s)
+            found |= {asked[number]: run for number, run in farther.items()}
+            new = list(farther.values())
+    return found
+
+
+def _leapt(looked: _Looked, limits: Limits) -> _Looked:
+    """Go on from the runs found so far, under the assumption: in a large machine that is far less work than longer runs from its first state."""
+    goals = [goal for goal in looked.left if goal not in looked.excluded]
+    if not goals:
+        return looked
+    runs, half = [run.trace for run in looked.runs.values()], replace(limits, seconds=limits.seconds / 2)
+    return looked.also(_farther(goals, goals, half, runs, limits.seconds * _EACH_LEAP), "bmc", "witness")
 
 
 def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: float | None = None) -> set[Goal]:
