@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -104,8 +104,7 @@ def verify(
         raise typer.BadParameter(f"--config is for one machine; {len(names)} are given: {', '.join(names)}.")
     plan = Plan(Limits(depth=depth, seconds=seconds, seed=seed), examples, steps, seed, quick)
     store = store_in(cache)
-    stamps = (STRENGTHS.stamp(store), MARGINS.stamp(store), SCORES.stamp(store))
-    key = None if as_json else report_key(names, config, plan, single, evidence, *stamps)
+    key = None if as_json else report_key(names, config, plan, single, evidence, *_stamps(store))
     usable(folder)
     copies = copied_to(folder, {SARIF: sarif, JUNIT: junit})
     if not fresh and _put_back(kept_report(store, key), folder):
@@ -133,6 +132,7 @@ def verify(
         margins=margins,
         scores=scores,
         on_written=keep_it,
+        jobs=jobs,
     )
     copies()
     store.trim()
@@ -144,6 +144,11 @@ def verify(
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
+
+
+def _stamps(store: Store) -> Iterator[str]:
+    """Return what changes whenever a result is kept that a report takes up."""
+    return (kind.stamp(store) for kind in (STRENGTHS, MARGINS, SCORES))
 
 
 def _made(plan: Plan) -> dict[str, Any]:

@@ -10,9 +10,7 @@ from __future__ import annotations
 import io
 import tarfile
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 from safeloc.errors import InputError
@@ -50,16 +48,9 @@ def archives(findings: Sequence[Finding]) -> Archives:
     return found
 
 
-def write_archives(folder: Path, found: Archives) -> None:
-    """Write the files, in two threads."""
-    with ThreadPoolExecutor(2) as threads:
-        for _ in threads.map(partial(_write, folder), found.items()):
-            pass
-
-
-def _write(folder: Path, one: tuple[str, Mapping[str, str]]) -> None:
-    file, texts = one
-    (folder / file).write_bytes(packed(shared_lines(texts).encode()))
+def packed_texts(texts: Mapping[str, str]) -> bytes:
+    """Return the content of a file with these texts."""
+    return packed(shared_lines(texts).encode())
 
 
 # ------------------------------------------------------------------ read

@@ -6,7 +6,7 @@ import json
 import platform
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
 from types import MappingProxyType
@@ -33,6 +33,23 @@ NOT_ASKED: Mapping[str, Any] = MappingProxyType({})
 MOST_CELLS = 10_000  # most values of a witness in the data; the localizer has 500 in every step
 
 
+@dataclass(frozen=True, eq=False)
+class OfTarget:
+    """The part of a report that follows from the declaration of a target alone.
+
+    machine  all that the page shows of it, except verdicts
+    shared   id of a claim -> the sizes of the sub-terms that it shares with the machine
+    """
+
+    machine: Mapping[str, Any]
+    shared: Mapping[str, str]
+
+
+def of_target(target: Target) -> OfTarget:
+    """Return what the declaration of a target says; with many targets it takes as long as all the rest of the data."""
+    return OfTarget(machine_data(target), _shared(target))
+
+
 def schema() -> dict[str, Any]:
     """Return the published JSON schema."""
     loaded: dict[str, Any] = json.loads(_SCHEMA_FILE.read_text(encoding="utf-8"))
@@ -47,6 +64,7 @@ def report_data(
     made: Mapping[str, Any] | None = None,
     margins: Mapping[str, Any] = NOT_ASKED,
     scores: Mapping[str, Any] = NOT_ASKED,
+    of_targets: Mapping[str, OfTarget] = NOT_ASKED,
 ) -> dict[str, Any]:
     """Return the complete report as JSON-ready data.
 
@@ -55,12 +73,14 @@ def report_data(
     made       command, limits, seed and commit (safeloc.report.made_by), if a command makes the report
     margins    target's name -> how far its figures may move (safeloc.assurance.margins.kept_margins), where that was found
     scores     target's name -> how many wrong machines a proof notices (safeloc.assurance.mutation.kept_score), where that was measured
+    of_targets  target's name -> what its declaration alone says (`of_target`), where that was made before
     """
     targets = list(targets)
+    own = {target.name: of_targets.get(target.name) or of_target(target) for target in targets}
     traced = traceability(targets)
     machines = [
         {
-            **machine_data(target),
+            **own[target.name].machine,
             "pictures": _pictures(target, findings),
             "evidence": evidence.get(target.name),
             "margins": margins.get(target.name),
@@ -77,7 +97,7 @@ def report_data(
         "kept": {one.machine: one.kept_since for one in findings if one.kept_since},
         "conditions": counts(conditions(machines)),
         "machines": machines,
-        "results": _results(findings, targets),
+        "results": _results(findings, {name: one.shared for name, one in own.items()}),
         "requirements": [_requirement(link, findings, strengths) for link in traced.links],
         "items": [{**asdict(item), "requirements": list(item.requirements)} for item in traced.items],
     }
@@ -91,9 +111,8 @@ def _pictures(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any
     return pictures_data(target, findings)
 
 
-def _results(findings: Sequence[Finding], targets: Iterable[Target]) -> list[dict[str, Any]]:
-    """Return every finding; that of a property also notes the sub-terms that it shares with its machine."""
-    shared = {target.name: _shared(target) for target in targets}
+def _results(findings: Sequence[Finding], shared: Mapping[str, Mapping[str, str]]) -> list[dict[str, Any]]:
+    """Return every finding; that of a property also notes the sub-terms that it shares with its machine, by target and claim."""
     rows = _with_statistics_once([result_data(finding) for finding in findings])
     for row in rows:
         if row["kind"] == "property" and (note := shared.get(row["machine"], {}).get(row["id"])):

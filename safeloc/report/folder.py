@@ -16,6 +16,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +29,12 @@ from safeloc.language.trace import Trace
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, stored
 from safeloc.report.changes import changes
-from safeloc.report.data import NOT_ASKED, SCHEMA, report_data, run_of, schema
+from safeloc.report.data import NOT_ASKED, SCHEMA, of_target, report_data, run_of, schema
 from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
+from safeloc.report.file_names import file_names
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
+from safeloc.report.pieces import made_pieces
 from safeloc.report.run_page import RUN_PAGE, machine_script
 from safeloc.report.sarif import to_sarif
 from safeloc.runtime.locked_folder import locked
@@ -75,6 +78,7 @@ def write_folder(
     margins: Mapping[str, Any] = NOT_ASKED,
     scores: Mapping[str, Any] = NOT_ASKED,
     on_written: Callable[[], None] = lambda: None,
+    jobs: int = 1,
 ) -> Path:
     """Write the report and return the path of the page. Files of an earlier report in this folder are removed.
 
@@ -85,18 +89,21 @@ def write_folder(
     margins     target's name -> how far its figures may move, where that was found
     scores      target's name -> how many wrong machines a proof notices, where that was measured
     on_written  called after everything is written, before another run can write here
+    jobs        processes in which what belongs to single machines is made
 
     If two runs write into one folder at once, the second one waits, so that a report is always of one run.
     InputError if the folder cannot be written.
     """
-    everything = report_data(findings, targets, evidence, strengths, made, margins, scores)
     archives = certificates.archives(findings)
     runs = _runs(findings)
+    files = file_names([*(one.name for one in targets), *(one.machine for one in findings)])
+    made_of = made_pieces(dict(_pieces(targets, runs, archives, files)), jobs)
+    of_targets = {one.name: made_of["target", one.name] for one in targets}
+    everything = report_data(findings, targets, evidence, strengths, made, margins, scores, of_targets)
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
     names = {file: list(texts) for file, texts in archives.items()}
     small, machines = stored.split_data(everything, names, steps)
-    files = stored.machine_names(everything)
-    scripts = {one.name: text for one in targets if one.name in runs and (text := machine_script(files[one.name], one))}
+    scripts = {one.name: text for one in targets if (text := made_of.get(("script", one.name)))}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder):
@@ -106,10 +113,11 @@ def write_folder(
             (folder / stored.DATA).write_text(stored.report_text(small), encoding="utf-8")
             (folder / JUNIT).write_text(to_junit(findings), encoding="utf-8")
             (folder / SARIF).write_text(to_sarif(findings, targets), encoding="utf-8")
-            certificates.write_archives(folder / certificates.FOLDER, archives)
-            for name, own in runs.items():
+            for file in archives:
+                (folder / certificates.FOLDER / file).write_bytes(made_of["certificates", file])
+            for name in runs:
                 file = f"{files[name]}{stored.RUNS}"
-                (folder / stored.TRACES / file).write_text(runs_file(own, files[name]), encoding="utf-8")
+                (folder / stored.TRACES / file).write_text(made_of["runs", name], encoding="utf-8")
             for file, content in machines.items():
                 (folder / stored.MACHINES / file).write_bytes(content)
             for name, text in scripts.items():
@@ -121,6 +129,26 @@ def write_folder(
             return page
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error
+
+
+_Piece = tuple[tuple[str, str], Callable[[], Any]]
+
+
+def _pieces(
+    targets: Sequence[Target],
+    runs: Mapping[str, Sequence[Shown]],
+    archives: certificates.Archives,
+    files: Mapping[str, str],
+) -> Iterator[_Piece]:
+    """Yield what belongs to single machines, by kind and name, each as a function that makes it."""
+    for one in targets:
+        yield ("target", one.name), partial(of_target, one)
+        if one.name in runs:
+            yield ("script", one.name), partial(machine_script, files[one.name], one)
+    for name, own in runs.items():
+        yield ("runs", name), partial(runs_file, own, files[name])
+    for file, texts in archives.items():
+        yield ("certificates", file), partial(certificates.packed_texts, texts)
 
 
 def files_of(folder: Path) -> list[str]:

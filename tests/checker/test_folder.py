@@ -11,7 +11,7 @@ import pytest
 
 from safeloc.checker.folder import check_folder
 from safeloc.errors import InputError
-from safeloc.report.certificates import Archives, read_archives, write_archives
+from safeloc.report.certificates import Archives, packed_texts, read_archives
 from safeloc.runtime.scripts import read_script, script
 from safeloc.runtime.streams.columns import FUNCTION
 from tests.checker.raw_report import with_words
@@ -56,7 +56,7 @@ def test_a_text_that_was_edited(copy: Path) -> None:
     """A text that is not that of its name is wrong, whatever it says."""
     kept = archives(copy)
     file, name = place(kept, "overlap")
-    write_archives(copy / "certificates", {file: {**kept[file], name: kept[file][name] + "; a remark\n"}})
+    (copy / "certificates" / file).write_bytes(packed_texts({**kept[file], name: kept[file][name] + "; a remark\n"}))
     found = check_folder(copy, seconds=10)
     assert ([name], 1) == (list(found.wrong), found.exit_code)
 
@@ -66,7 +66,7 @@ def test_texts_swapped(copy: Path) -> None:
     kept = archives(copy)
     file, texts = next((file, texts) for file, texts in kept.items() if len(texts) > 1)
     one, other, *_ = texts
-    write_archives(copy / "certificates", {file: {**texts, one: texts[other], other: texts[one]}})
+    (copy / "certificates" / file).write_bytes(packed_texts({**texts, one: texts[other], other: texts[one]}))
     assert {one, other} <= set(check_folder(copy, seconds=10).wrong)
 
 
@@ -74,7 +74,9 @@ def test_a_text_that_is_missing(copy: Path) -> None:
     """A file that holds less than the report says is wrong, and what rests on it is not confirmed."""
     kept = archives(copy)
     file, name = place(kept, "always-step")
-    write_archives(copy / "certificates", {file: {key: text for key, text in kept[file].items() if key != name}})
+    (copy / "certificates" / file).write_bytes(
+        packed_texts({key: text for key, text in kept[file].items() if key != name})
+    )
     found = check_folder(copy, seconds=10)
     assert f"{copy / 'certificates' / file}: its certificates are not those listed in report.json." == found.wrong[file]
     assert any("never above eight" in one for one in refused(found))
@@ -104,7 +106,7 @@ def test_a_damaged_file(copy: Path, spoilt: Callable[[bytes], bytes]) -> None:
 
 def test_a_stranger_among_the_files(copy: Path) -> None:
     """A file that the report does not know is told."""
-    write_archives(copy / "certificates", {"stranger.texts.xz": {"a.smt2": "(check-sat)"}})
+    (copy / "certificates" / "stranger.texts.xz").write_bytes(packed_texts({"a.smt2": "(check-sat)"}))
     assert ["stranger.texts.xz"] == list(check_folder(copy, seconds=10).wrong)
 
 

@@ -12,7 +12,7 @@ from safeloc.errors import InputError
 from safeloc.language.verdict import require_proved
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.limits import Limits
-from safeloc.report.certificates import write_archives
+from safeloc.report.certificates import packed_texts
 from safeloc.report.data import SCHEMA
 from tests.proof.provers.small import LEVEL, counter, goal
 
@@ -26,7 +26,8 @@ def kept(folder: Path, texts: dict[str, str]) -> Path:
     """A folder as reports have it."""
     (folder / "certificates").mkdir()
     files = {"proof.texts.xz": texts} if texts else {}
-    write_archives(folder / "certificates", files)
+    for file, own in files.items():
+        (folder / "certificates" / file).write_bytes(packed_texts(own))
     data = {"certificates": {file: list(own) for file, own in files.items()}, "results": [], "requirements": []}
     (folder / "report.json").write_text(json.dumps({"schema": SCHEMA, **data}), encoding="utf-8")
     return folder

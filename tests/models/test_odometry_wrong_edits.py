@@ -164,12 +164,12 @@ def identities_kept_in_turning(patch: Patch) -> None:
     patch.setattr(Pending, "after", lambda own, *found: sound(own, *found[:-1], TRUE))
 
 
-def not_remembered(field: str) -> Edit:
-    """What the leading reader read last is not taken over."""
+def not_remembered(field: str, kept: str) -> Edit:
+    """What the leading reader read last is not taken over: what is kept stays."""
 
     def edit(patch: Patch) -> None:
         sound = Judgement.remembered
-        patch.setattr(Judgement, "remembered", lambda own: replace(sound(own), **{field: getattr(own.own, field)}))
+        patch.setattr(Judgement, "remembered", lambda own: replace(sound(own), **{field: getattr(own.own, kept)}))
 
     return edit
 
@@ -208,11 +208,11 @@ EDITS: Mapping[str, tuple[Edit, str]] = {
     ),
     "identities wait on in turning": (identities_kept_in_turning, "no identity waits after turning"),
     "the last marker is not taken over": (
-        not_remembered("last_marker"),
+        not_remembered("last_marker", "last_marker"),
         "the marker that the leading reader read last is stored",
     ),
     "the last marker's place is not taken over": (
-        not_remembered("last_place"),
+        not_remembered("last_place", "last_marker_position"),
         "the marker that the leading reader read last is stored",
     ),
     "the rear device takes over where margins are equal": (

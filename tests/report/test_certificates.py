@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.report.certificates import read_archives, write_archives
+from safeloc.report.certificates import packed_texts, read_archives
 from safeloc.runtime.packed import packed
 
 TEXTS = {"a-1.smt2": "; a\n(check-sat)\n", "a-2.smt2": "; b\n(check-sat)\n"}
@@ -27,7 +27,7 @@ def archive(texts: dict[str, str]) -> bytes:
 
 def test_files_of_this_version_and_of_earlier_ones_are_read(tmp_path: Path) -> None:
     """Side by side, the texts of both."""
-    write_archives(tmp_path, {"new.texts.xz": TEXTS})
+    (tmp_path / "new.texts.xz").write_bytes(packed_texts(TEXTS))
     (tmp_path / "old.tar.xz").write_bytes(archive({"old.smt2": "(exit)\n"}))
     read = read_archives(tmp_path, {"new.texts.xz": [*TEXTS], "old.tar.xz": ["old.smt2"]})
     assert (read.texts, read.damaged) == ({**TEXTS, "old.smt2": "(exit)\n"}, {})

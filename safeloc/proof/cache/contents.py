@@ -55,26 +55,36 @@ _DECLARED: weakref.WeakKeyDictionary[Target, dict[bool, str]] = weakref.WeakKeyD
 
 
 def _declared_digest(target: Target, *, places: bool) -> str:
-    known = _DECLARED.setdefault(target, {})
-    if places not in known:
-        digest = _Digest(places=places)
+    known = _DECLARED.get(target)
+    if known is None:
+        digest = _Digest()
         digest.add(replace(target, streams=(), witnesses=None))
-        known[places] = digest.total.hexdigest()
+        known = {False: digest.content.hexdigest(), True: digest.with_places.hexdigest()}
+        _DECLARED[target] = known
     return known[places]
 
 
-class _Digest:
-    """A digest of objects; an object that occurs again enters by the number of its first occurrence."""
+class _Place(str):
+    """A line of a digest that tells a place in a file."""
 
-    def __init__(self, *, places: bool = True) -> None:
-        self._places = places
-        self.total = hashlib.sha256()
+    __slots__ = ()
+
+
+class _Digest:
+    """Digests of objects, of their content alone and with places in files; an object that occurs again enters by the number of its first
+    occurrence.
+    """
+
+    def __init__(self) -> None:
+        self.content, self.with_places = hashlib.sha256(), hashlib.sha256()
         self._met: dict[int, int] = {}
         self._alive: list[object] = []  # so that no other object gets the identity of one that was met
 
     def add(self, thing: object) -> None:
         """Add one more object, with all its parts."""
-        self.total.update("".join(f"{line}\n" for line in self._lines(thing)).encode())
+        lines = list(self._lines(thing))
+        self.with_places.update("".join(f"{line}\n" for line in lines).encode())
+        self.content.update("".join(f"{line}\n" for line in lines if type(line) is not _Place).encode())
 
     def _lines(self, thing: object) -> Iterator[str]:
         if isinstance(thing, _PLAIN):
@@ -111,8 +121,8 @@ class _Digest:
         for name in _names(cast(Hashable, type(thing))):
             yield name
             yield from self._lines(getattr(thing, name))
-        if isinstance(thing, Transition) and self._places:
-            yield thing.src.replace("\\", "/").rpartition("/")[2]
+        if isinstance(thing, Transition):
+            yield _Place(thing.src.replace("\\", "/").rpartition("/")[2])
         if isinstance(thing, Property) and thing.helper is not None:
             yield from self._lines(thing.helper(_waiting(thing)))
         if isinstance(thing, Part):

@@ -18,9 +18,9 @@ from safeloc.proof.provers.facts import contract_of
 from safeloc.proof.provers.found_run import FoundRun, shown_freely, shown_lawfully
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.leaping import farther, leaping
 from safeloc.proof.provers.limits import Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
-from safeloc.proof.provers.onward import SECONDS_EACH, onward
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachable_targets import Target, targets_of
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses, shown
@@ -35,12 +35,8 @@ one machine under its assumption reaches: few of these are impossible in the who
 """
 SHIPPED = "witness"
 """The engine of a run that ships with the machine."""
-SHALLOW = 3
-"""Steps after which a search without the assumption goes on from the runs found, as long as that finds new goals."""
 _EACH_LEAP = 0.2
 """Share of the limit for the search from one state, under the assumption."""
-_LEAPS = (3, 6)
-"""Steps by which such a search goes on from a run: a few at first, more for what is left."""
 
 
 def reached(
@@ -212,7 +208,7 @@ def _without_assumption(
     """
     looked = _excluded(_known_runs(goals, limits, witnesses=witnesses), always, limits)
     near = [goal for goal in looked.left if goal not in looked.excluded]
-    found = _leaping(near, limits, [run.trace for run in lawful.runs.values()], modes) if near else {}
+    found = leaping(near, limits, [run.trace for run in lawful.runs.values()], modes) if near else {}
     return _sparing(_searched(looked.also(found, "bmc", "witness"), limits), limits)
 
 
@@ -233,40 +229,13 @@ def _sparing(looked: _Looked, limits: Limits) -> _Looked:
     return replace(looked, runs=runs)
 
 
-def _leaping(goals: Sequence[Goal], limits: Limits, runs: Sequence[Trace], modes: Sequence[Goal]) -> dict[Goal, Trace]:
-    """Find runs of few steps to goals or modes, and go on from these and from `runs`: a mode is the way to the next one.
-
-    From a known state any inputs are possible without the assumption, so a search of a few steps takes no time.
-    """
-    wanted = list(dict.fromkeys([*goals, *modes]))
-    found = dict(first_runs(wanted, replace(limits, depth=min(SHALLOW, limits.depth))).found)
-    found |= _farther(goals, [goal for goal in wanted if goal not in found], limits, [*runs, *found.values()])
-    return {goal: run for goal, run in found.items() if goal in set(goals)}
-
-
-def _farther(
-    goals: Sequence[Goal], wanted: Sequence[Goal], limits: Limits, runs: Sequence[Trace], each_s: float = SECONDS_EACH
-) -> dict[Goal, Trace]:
-    """Go on from runs to the wanted goals, and from what that finds, as long as some of `goals` are left."""
-    found, left = dict[Goal, Trace](), set(goals).intersection(wanted)
-    for further in _LEAPS:
-        new = list(runs) + list(found.values())
-        while new and not left <= found.keys():
-            asked = dict(enumerate(goal for goal in wanted if goal not in found))
-            known = [Recording(run.initial, run.stream()) for run in new]
-            farther = onward(goals[0].plain, asked, known, deadline(limits.seconds), further, each_s)
-            found |= {asked[number]: run for number, run in farther.items()}
-            new = list(farther.values())
-    return found
-
-
 def _leapt(looked: _Looked, limits: Limits) -> _Looked:
     """Go on from the runs found so far, under the assumption: in a large machine that is far less work than longer runs from its first state."""
     goals = [goal for goal in looked.left if goal not in looked.excluded]
     if not goals:
         return looked
     runs, half = [run.trace for run in looked.runs.values()], replace(limits, seconds=limits.seconds / 2)
-    return looked.also(_farther(goals, goals, half, runs, limits.seconds * _EACH_LEAP), "bmc", "witness")
+    return looked.also(farther(goals, goals, half, runs, limits.seconds * _EACH_LEAP), "bmc", "witness")
 
 
 def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: float | None = None) -> set[Goal]:

@@ -24,7 +24,6 @@ CANNOT = (
     "stop_point",
     "turn_off",
     "fibre",
-    "axle_head",
     "axle_counter",
     "axle_section",
     "train_order",
