@@ -263,7 +263,11 @@ EDITS: dict[str, tuple[str, Callable[..., Expr], str]] = {
     ),
     "no covariance is needed": ("_spread", lambda *_: TRUE, "channel 1: no covariance, not usable"),
     "warm at once": ("warm", lambda *_: as_num(2, COUNT), "channel 1: a window counts one satellite's measurements"),
-    "one usable satellite more": ("how_many", lambda _: as_num(1, COUNT), "the number of usable satellites is reported"),
+    "one usable satellite more": (
+        "how_many",
+        lambda _: as_num(1, COUNT),
+        "the number of usable satellites is reported",
+    ),
 }
 
 
