@@ -93,7 +93,7 @@ def _is_product(node: Node) -> bool:
 
 def _comment(text: str) -> str:
     """Return the text on one line, so that no part of it becomes a command."""
-    return "".join(letter if letter.isprintable() else " " for letter in text)
+    return text if text.isprintable() else "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def _line(node: Node, names: dict[Expr, str], defined: dict[str, str]) -> list[str]:

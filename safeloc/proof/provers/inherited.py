@@ -12,7 +12,7 @@ assumption is not proved, the facts of that machine are proved jointly, as if no
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from itertools import islice
 
@@ -21,7 +21,7 @@ from safeloc.language.composed_names import lemma_name
 from safeloc.language.expr import TRUE, Bool, Expr, NumVar, Var, before_step
 from safeloc.language.spec import Property, always
 from safeloc.language.system import Part, TransitionSystem, environment
-from safeloc.language.terms import Substitution, conjuncts
+from safeloc.language.terms import Substitution, conjuncts, variables
 from safeloc.proof.provers.facts import Fact, about, contract_of, inputs_of, range_of
 from safeloc.proof.provers.implication import Failure, Undecided, unproved
 from safeloc.proof.provers.limits import deadline
@@ -63,11 +63,12 @@ def contracts(system: TransitionSystem) -> dict[Fact, Bool]:
 
 def contract_properties(system: TransitionSystem) -> list[tuple[Fact, Property]]:
     """Return these contracts as properties of the composition."""
-    return [(key, always(str(key), _before_the_step(system, term))) for key, term in contracts(system).items()]
+    state = frozenset(system.state)
+    return [(key, always(str(key), _before_the_step(state, term))) for key, term in contracts(system).items()]
 
 
-def _before_the_step(system: TransitionSystem, term: Bool) -> Bool:
-    twins: dict[Var, Expr] = {var: before_step(var) for var in system.state}
+def _before_the_step(state: Set[Var], term: Bool) -> Bool:
+    twins: dict[Var, Expr] = {var: before_step(var) for var in variables([term]) if var in state}
     return Substitution(twins).bool(term)
 
 
