@@ -8,10 +8,13 @@ from typing import Any
 
 import pytest
 
+from benchmarks.composed_line import composed_target
 from safeloc.codegen.smtlib import Query
 from safeloc.language.spec import observe, previous, within
+from safeloc.language.terms import variables
 from safeloc.language.verdict import Unknown, require_proved
 from safeloc.proof.provers import kinduction as module
+from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import kinduction, queries
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.proved_base import base
@@ -115,3 +118,22 @@ def test_certificates_name_what_they_rely_on() -> None:
     [shared] = [file for file in proved.certificates if file.startswith("counter-always-step-")]
     [start] = [text for file, text in proved.certificates.items() if file.startswith("counter-claim-start-")]
     assert f"; relies on: {shared}\n" in start
+
+
+def test_a_claim_on_few_machines_is_proved_by_what_is_known_of_these(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a line of sections, no question about the first one reads the last one, nor the other way round."""
+    asked: list[Query[Any]] = []
+
+    def noted(query: Query[Any], *limits: Any) -> dict[Any, Any]:
+        asked.append(query)
+        return unproved(query, *limits)
+
+    monkeypatch.setattr(module, "unproved", noted)
+    target = composed_target(31)
+    for section, other in (("section_1", "section_4"), ("section_4", "section_1")):
+        asked.clear()
+        claim = next(one for one in target.properties if one.name.startswith(f"{section}:"))
+        require_proved(kinduction(observe(target.system, claim), Limits()))
+        read = [var.name for query in asked for var in variables([*query.hypotheses, *query.goals.values()])]
+        assert any(name.startswith(f"{section}.") for name in read)
+        assert not any(name.startswith(f"{other}.") for name in read)
