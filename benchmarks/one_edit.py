@@ -1,8 +1,9 @@
 """How long `safeloc verify` of all machines takes after one edit of one machine.
 
 `python -m benchmarks.one_edit --out FILE`: once with nothing kept, then after each of 50 random edits, spread over all machines,
-with what the unedited run left. A line of FILE a run; started again with the same FILE it goes on where it was. At the end:
-medians of the clock and of processor time, as shares of the run with nothing kept.
+with what the unedited run left. A line of FILE a run; started again with the same FILE it goes on where it was. Edits come in random
+order, so that those of a run that is ended early are spread over all machines too. At the end: medians of the clock and of processor
+time, as shares of the run with nothing kept.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
             first = {"number": COLD, **_timed(checkout, cache)}
             if COLD not in done:
                 _keep(asked.out, first)
-        for number in (one for one in range(asked.edits) if one not in done):
+        order = random.Random(asked.seed).sample(range(asked.edits), asked.edits)
+        for number in (one for one in order if one not in done):
             _keep(asked.out, {"number": number, **_after_edit(checkout, cache, number, asked.seed)})
     print(*medians([line for line in kept_lines(asked.out) if line["number"] < asked.edits]), sep="\n")
 

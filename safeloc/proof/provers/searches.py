@@ -24,7 +24,7 @@ TOGETHER, ALONE = 0.1, 0.1
 TRIES = 3
 """Lengths at which a search asks for a goal in vain before it leaves the goal out."""
 AT_FIRST = 0.1
-"""Share of the limit for the first search of a composition: small ones need less, in large ones a machine alone is searched next."""
+"""Share of the limit for the first search: small machines need less; in large ones known runs are gone on from next, in compositions a machine alone."""
 
 
 @dataclass(frozen=True, eq=False)
