@@ -100,10 +100,10 @@ def _goal(label: str) -> Goal:
 def test_a_search_leaps_from_mode_to_mode() -> None:
     """Eleven steps lead to the last mode; a search from the start goes three, and each leap three or six more."""
     last, between = _goal("D"), [_goal("B"), _goal("C")]
-    found = reachability._leaping([last], Limits(), [], between)
+    found = leaping([last], Limits(), [], between)
     assert [last] == list(found)
     assert len(found[last].steps) == 11
-    assert reachability._leaping([last], Limits(), [], []) == {}
+    assert leaping([last], Limits(), [], []) == {}
 
 
 def test_a_deep_mode_is_reached_without_a_long_search(monkeypatch: pytest.MonkeyPatch) -> None:
