@@ -16,6 +16,7 @@ from safeloc.language.units import COUNT
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers import reachability
 from safeloc.proof.provers.deepening import Deepening
+from safeloc.proof.provers.leaping import leaping
 from safeloc.proof.provers.limits import Deadline, Limits
 from safeloc.proof.provers.reachability import reached
 from safeloc.proof.provers.reachable_targets import without_assumption
