@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                     print(_told(line), flush=True)
     lines = kept_lines(asked.out)
     print(*summed_up(lines), sep="\n")
-    return int(len(sets(lines)) > 1)
+    return int(len(different_sets(lines)) > 1)
 
 
 @contextmanager
@@ -72,7 +72,7 @@ def _told(line: Mapping[str, Any]) -> str:
     return f"{line['beside']} beside, run {line['number']}: {line['clock_s']} s, {line['processor_s']} s of processor, code {line['code']}, {len(line['verdicts'])} verdicts"
 
 
-def sets(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+def different_sets(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
     """Return the different sets of verdicts, each with its exit code."""
     found: list[dict[str, str]] = []
     for line in lines:
@@ -84,7 +84,7 @@ def sets(lines: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
 
 def summed_up(lines: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return the number of different sets, what they differ in, and the medians."""
-    different = sets(lines)
+    different = different_sets(lines)
     told = [f"{len(lines)} runs, {len(different)} different sets of verdicts"]
     for name in sorted(set().union(*different)):
         said = [one.get(name, "no verdict") for one in different]

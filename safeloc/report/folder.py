@@ -31,7 +31,6 @@ from safeloc.report import certificates, stored
 from safeloc.report.changes import changes
 from safeloc.report.data import NOT_ASKED, SCHEMA, of_target, report_data, run_of, schema
 from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
-from safeloc.report.file_names import file_names
 from safeloc.report.junit import to_junit
 from safeloc.report.page import PARTS, to_pages
 from safeloc.report.pieces import made_pieces
@@ -96,7 +95,7 @@ def write_folder(
     """
     archives = certificates.archives(findings)
     runs = _runs(findings)
-    files = file_names([*(one.name for one in targets), *(one.machine for one in findings)])
+    files = stored.names_of_files((one.name for one in targets), (one.machine for one in findings))
     made_of = made_pieces(dict(_pieces(targets, runs, archives, files)), jobs)
     of_targets = {one.name: made_of["target", one.name] for one in targets}
     everything = report_data(findings, targets, evidence, strengths, made, margins, scores, of_targets)

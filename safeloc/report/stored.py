@@ -10,7 +10,7 @@ certificates/             safeloc.report.certificates
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar
@@ -99,7 +99,12 @@ def _listed(value: Any) -> str:
 
 def machine_names(data: Mapping[str, Any]) -> dict[str, str]:
     """Return the name of the files of each machine, which is the same in all folders, without suffix."""
-    return file_names([*(one["name"] for one in data["machines"]), *(row["machine"] for row in data["results"])])
+    return names_of_files((one["name"] for one in data["machines"]), (row["machine"] for row in data["results"]))
+
+
+def names_of_files(targets: Iterable[str], of_results: Iterable[str]) -> dict[str, str]:
+    """Return the same for the names of targets and of the machines that results are of."""
+    return file_names([*targets, *of_results])
 
 
 def _machine_files(data: Mapping[str, Any]) -> dict[str, str]:

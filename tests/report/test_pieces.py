@@ -18,15 +18,15 @@ from safeloc.report.pieces import made_pieces
 from tests.shipped import shipped
 
 
-def of(number: int) -> Callable[[], int]:
-    """A piece that tells its number and, where it was made in another process, does not show."""
+def square(number: int) -> Callable[[], int]:
+    """Make the square of a number."""
     return lambda: number * number
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_each_is_there_in_order(jobs: int) -> None:
     """By its key."""
-    found = made_pieces({("square", number): of(number) for number in range(5)}, jobs)
+    found = made_pieces({("square", number): square(number) for number in range(5)}, jobs)
     assert [*found.items()] == [(("square", number), number * number) for number in range(5)]
 
 
