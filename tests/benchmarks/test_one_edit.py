@@ -44,7 +44,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> Runs:
     """Runs that take a second of processor, and a tenth by the clock."""
     made = Runs()
     monkeypatch.setattr(one_edit, "processor_s", count(1).__next__)
-    monkeypatch.setattr(Checkout, "all_verified", lambda checkout, cache: made(checkout, cache))
+    monkeypatch.setattr(Checkout, "all_verified", lambda checkout, cache, seconds: made(checkout, cache))
     return made
 
 
@@ -61,20 +61,36 @@ def test_each_edit_begins_with_what_the_unedited_run_left(runs: Runs, tmp_path: 
 
 @pytest.mark.thorough
 def test_it_goes_on_where_it_was(runs: Runs, tmp_path: Path) -> None:
-    """The first run is made again, since its cache is gone, and is not told twice."""
+    """The first run is not made again: what it left is there."""
     out = str(tmp_path / "runs.jsonl")
     one_edit.main(["--edits", "1", "--out", out])
     one_edit.main(["--edits", "2", "--out", out])
-    assert [0, 1, 0, 1] == [len(names) for names in runs.changed]
+    assert [0, 1, 1] == [len(names) for names in runs.changed]
+    assert [0, 1, 1] == runs.found
     assert [one_edit.COLD, 0, 1] == [line["number"] for line in kept_lines(Path(out))]
 
 
 def test_medians(capsys: pytest.CaptureFixture[str], runs: Runs, tmp_path: Path) -> None:
     """Of the edits, as a share of the run with nothing kept."""
-    lines = [{"number": number, "clock_s": seconds, "processor_s": 2 * seconds} for number, seconds in SECONDS.items()]
+    lines = [
+        {"number": number, "clock_s": seconds, "processor_s": 2 * seconds, "code": 0}
+        for number, seconds in SECONDS.items()
+    ]
     told = one_edit.medians(lines)
     assert "clock_s: 100.0 cold, 20.0 after an edit (median of 3), 0.20" == told[0]
     assert "processor_s: 200.0 cold, 40.0 after an edit (median of 3), 0.20" == told[1]
     one_edit.main(["--edits", "0", "--out", str(tmp_path / "runs.jsonl")])
     assert capsys.readouterr().out.endswith("no edits\n")
     assert 1 == len(runs.found)
+
+
+def test_runs_that_were_ended_count_as_the_longest() -> None:
+    """However little of their processor time is known; if half of the runs were ended, there is no median."""
+    cold = {"number": one_edit.COLD, "clock_s": 100.0, "processor_s": 200.0, "code": 0}
+    edits = [{"number": n, "clock_s": 10.0 * n, "processor_s": 20.0 * n, "code": 0} for n in (1, 2)]
+    ended = {"number": 3, "clock_s": 40.0, "processor_s": 1.0, "code": -1}
+    assert [
+        "clock_s: 100.0 cold, 20.0 after an edit (median of 3, 1 ended), 0.20",
+        "processor_s: 200.0 cold, 40.0 after an edit (median of 3, 1 ended), 0.20",
+    ] == one_edit.medians([cold, *edits, ended])
+    assert "clock_s: 100.0 cold, no median, since 1 of 2 were ended" == one_edit.medians([cold, edits[0], ended])[0]

@@ -19,7 +19,7 @@ from safeloc.language.trace import Trace
 from safeloc.proof.drawn_runs.allowed import compiled_terms
 from safeloc.proof.drawn_runs.lawful import NoFirstStateError, Repair, first_state
 from safeloc.proof.drawn_runs.profiles import FAULTY, PLAUSIBLE, Profile
-from safeloc.proof.provers.replayed_evidence import confirmed
+from safeloc.proof.provers.replayed_evidence import confirmed_together
 
 LENGTHS = (5, 5, 5, 15, 15, 40)
 """Lengths in steps of the runs of one round; short runs first, so that early events get short witnesses."""
@@ -64,14 +64,14 @@ class _Draw:
         """Make one more run; return the new goals that it reaches, each with its run."""
         first = first_state(self._plain, self._draw, adventurous=self._draw.choice((0.0, 0.0, 0.5)))
         faulty = self._free and self._draw.random() < 0.5
-        stream = list[dict[str, Value]]()
-        found: dict[Goal, Trace] = {}
+        stream, reached, needed = list[dict[str, Value]](), list[Goal](), 0
         for values in self._states(first, length, stream, faulty=faulty):
             goods = self._goods([values[var] for var in self._watched.system.state])
-            for place in [place for place in self.left if not goods[place]]:
-                goal = self.left.pop(place)
-                found[goal] = confirmed(goal, first, list(stream), "a drawn run")
-        return found
+            new = [place for place in self.left if not goods[place]]
+            if new:
+                reached += map(self.left.pop, new)
+                needed = len(stream)
+        return confirmed_together(self._watched, reached, first, stream[:needed], "a drawn run") if reached else {}
 
     def _states(
         self, first: Mapping[str, Value], length: int, stream: list[dict[str, Value]], *, faulty: bool

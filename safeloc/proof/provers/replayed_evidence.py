@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from safeloc.errors import EngineError, InputError
-from safeloc.language.interpret import holds, named, start, taken
+from safeloc.language.interpret import Values, evaluate, holds, named, start, taken
 from safeloc.language.nodes import Value
-from safeloc.language.spec import Goal
+from safeloc.language.spec import Goal, Watch
 from safeloc.language.system import TransitionSystem, environment
 from safeloc.language.trace import Step, Trace
 
@@ -53,3 +53,36 @@ def confirmed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[s
             f"{engine}: its stream for {goal.prop.name!r} does not break the property in the interpreter."
         )
     return trace
+
+
+def confirmed_together(
+    watched: Watch,
+    goals: Sequence[Goal],
+    first: Mapping[str, Value],
+    stream: Iterable[Mapping[str, object]],
+    engine: str,
+) -> dict[Goal, Trace]:
+    """Return what `confirmed` returns for each of these goals of a Watch, of which one run breaks all: it is replayed once."""
+    hidden, steps, ends = frozenset(watched.observers), list[Step](), dict[Goal, int]()
+    try:
+        state = start(watched.system, first)
+        run = taken(watched.system, state, stream, while_=environment(watched.system), hidden=hidden)
+        for number, after in enumerate(_noted(state, run, steps)):
+            kept = evaluate([goal.good for goal in goals], after)
+            ends |= {goal: number for goal, one in zip(goals, kept, strict=True) if not one and goal not in ends}
+    except InputError as error:
+        raise EngineError(f"{engine}: its stream for {watched.system.name} is not admissible: {error}") from error
+    for goal in goals:
+        if goal not in ends:
+            raise EngineError(
+                f"{engine}: its stream for {goal.prop.name!r} does not break the property in the interpreter."
+            )
+    return {goal: Trace(goal.plain, named(state, hidden), tuple(steps[: ends[goal]])) for goal in goals}
+
+
+def _noted(first: Values, run: Iterable[tuple[Step, Values]], steps: list[Step]) -> Iterator[Values]:
+    """Yield the first state and those after the steps of a run, which are added to `steps`."""
+    yield first
+    for one, after in run:
+        steps.append(one)
+        yield after

@@ -17,7 +17,7 @@ from safeloc.proof.provers.asking import plain_solver
 from safeloc.proof.provers.bmc import declared_state
 from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
-from safeloc.proof.provers.replayed_evidence import confirmed
+from safeloc.proof.provers.replayed_evidence import confirmed_together
 
 TOGETHER, ALONE = 0.1, 0.1
 """Shares of the time left that a search spends on one question about all goals, and about one goal."""
@@ -69,7 +69,7 @@ def _search_length(watched: Watch, runs: Deepening, found: dict[Goal, Trace], en
 def _reached(watched: Watch, runs: Deepening, model: z3.ModelRef, goals: Sequence[Goal]) -> dict[Goal, Trace]:
     """Return the goals that a run of the solver reaches, each with the run as the interpreter makes it."""
     first, stream = runs.first(model, declared_state(watched)), runs.stream(model)
-    return {goal: confirmed(goal, first, stream, "bmc") for goal in goals if runs.failed(model, goal.good)}
+    return confirmed_together(watched, [goal for goal in goals if runs.failed(model, goal.good)], first, stream, "bmc")
 
 
 def sparing_runs(goals: Sequence[Goal], limits: Limits) -> Runs:
