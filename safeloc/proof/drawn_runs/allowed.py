@@ -182,7 +182,8 @@ def _where(
 ) -> list[Segment]:
     """Return those of few values for which the condition holds, each as a segment."""
     tried = [value for low, high in segments for value in range(low, high + 1)]
-    return [(value, value) for value in tried if condition.holds({**values, var: value})]
+    read = {one: values[one] for one in condition.reads}
+    return [(value, value) for value in tried if condition.holds({**read, var: value})]
 
 
 @dataclass(frozen=True, eq=False)

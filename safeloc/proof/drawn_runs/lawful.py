@@ -135,9 +135,11 @@ class Repair:
         mixed = draw.sample(flags, len(flags))
         for some in (*((one,) for one in mixed), *combinations(mixed, 2)):
             changed = {var: value for flag in some for var, value in self._other(flag, values).items()}
-            if broken.holds({**values, **changed}):
-                values.update(changed)
+            before = {var: values[var] for var in changed}
+            values.update(changed)
+            if broken.holds(values):
                 return list(changed)
+            values.update(before)
         return []
 
     def _other(self, flag: BoolVar, values: Mapping[Var, Value]) -> dict[Var, Value]:

@@ -16,15 +16,18 @@ import weakref
 from collections.abc import Mapping
 from fractions import Fraction
 
-from safeloc.language.expr import BoolVar, Num, NumVar, Var
+from safeloc.language.expr import BoolVar, NumVar, Var
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, canonical
-from safeloc.language.units import COUNT, Enumeration
+from safeloc.language.units import COUNT, Enumeration, Unit
 from safeloc.proof.drawn_runs.lawful import Pick, any_end
 
 PLAUSIBLE = ("steady", "steady", "ramp", "standstill", "reversal", "ends", "random")
 FAULTY = ("stuck", "silent", "zero", "scaled", "ends", "random")
 Kind = tuple[str, int, int, str]
+AnyUnit = Unit | Enumeration
+Like = tuple[NumVar, int, int]
+"""A state variable of the same dimension as an input, and the factor between their units as a fraction."""
 
 
 class Profile:
@@ -45,7 +48,9 @@ class Profile:
         self._missing = {option.value: draw.choice((0.0, 0.02, 0.5, 0.95, 1.0)) for option in system.optionals}
         related = {option.value for option in system.optionals} | {var for var in self._numbers if var.unit is COUNT}
         likes = _likes(system)
-        self._mirrored = {var: likes[var] for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)}
+        self._mirrored = {
+            var: likes[var.unit] for var in self._numbers if draw.random() < (0.4 if var in related else 0.05)
+        }
         self._favourite = draw.randrange(1_000)
         self._coin_for_all = draw.random() < 0.5
         self._flags = {var: draw.choice((0.0, 0.05, 0.5, 1.0)) for var in system.inputs if isinstance(var, BoolVar)}
@@ -56,6 +61,7 @@ class Profile:
         self._at_fault = draw.choice(measured) if measured else None
         self._scale = draw.choice((0.0, 0.5, 0.9, 1.1, 2.0, -1.0))
         self._number = 0
+        self._nonzero: dict[AnyUnit, list[Like]] = {}
 
     @property
     def pick(self) -> Pick:
@@ -67,6 +73,7 @@ class Profile:
     def inputs(self, state: Mapping[Var, Value]) -> dict[Var, Value]:
         """Return the next step's inputs; absent optional ones hold their canonical value."""
         values: dict[Var, Value] = {}
+        self._nonzero.clear()
         for var in self._system.inputs:
             if isinstance(var, BoolVar):
                 values[var] = self.draw.random() < self._flags[var]
@@ -97,7 +104,10 @@ class Profile:
 
     def _mirror(self, var: NumVar, state: Mapping[Var, Value]) -> float:
         """Return a value of the state, preferably one that is not zero, or a value next to it."""
-        known = [like for like in self._mirrored[var] if state[like[0]]] or self._mirrored[var]
+        if var.unit not in self._nonzero:
+            likes = self._mirrored[var]
+            self._nonzero[var.unit] = [like for like in likes if state[like[0]]] or likes
+        known = self._nonzero[var.unit]
         like = known[self._favourite % len(known)] if self.draw.random() < 0.7 else self.draw.choice(known)
         seen, numerator, denominator = like
         beside = self.draw.choice((0, 0, 0, 1, -1, self.draw.randint(-1000, 1000)))
@@ -142,33 +152,29 @@ def _within(var: NumVar, value: float) -> int:
     return var.low if whole < var.low else var.high if whole > var.high else whole
 
 
-Like = tuple[NumVar, int, int]
-"""A state variable of the same dimension as an input, and the factor between their units as a fraction."""
-
-_LIKES: weakref.WeakKeyDictionary[TransitionSystem, dict[NumVar, list[Like]]] = weakref.WeakKeyDictionary()
+_LIKES: weakref.WeakKeyDictionary[TransitionSystem, dict[AnyUnit, list[Like]]] = weakref.WeakKeyDictionary()
 
 
-def _likes(system: TransitionSystem) -> dict[NumVar, list[Like]]:
-    """Return, for each input, the state variables whose values it may repeat."""
+def _likes(system: TransitionSystem) -> dict[AnyUnit, list[Like]]:
+    """Return, for each unit of inputs, the state variables whose values an input of this unit may repeat."""
     if system not in _LIKES:
         _LIKES[system] = {
-            var: [
-                (other, *_factor(other, var).as_integer_ratio())
+            unit: [
+                (other, *_factor(other.unit, unit).as_integer_ratio())
                 for other in system.state
-                if isinstance(other, NumVar) and _same_dimension(other, var)
+                if isinstance(other, NumVar) and _same_dimension(other.unit, unit)
             ]
-            for var in system.inputs
-            if isinstance(var, NumVar)
+            for unit in {var.unit for var in system.inputs if isinstance(var, NumVar)}
         }
     return _LIKES[system]
 
 
-def _same_dimension(one: Num, other: Num) -> bool:
-    if isinstance(one.unit, Enumeration) or isinstance(other.unit, Enumeration):
+def _same_dimension(one: AnyUnit, other: AnyUnit) -> bool:
+    if isinstance(one, Enumeration) or isinstance(other, Enumeration):
         return False
-    return one.unit.dimension == other.unit.dimension
+    return one.dimension == other.dimension
 
 
-def _factor(one: Num, other: Num) -> Fraction:
-    assert not isinstance(one.unit, Enumeration) and not isinstance(other.unit, Enumeration)
-    return one.unit.scale / other.unit.scale
+def _factor(one: AnyUnit, other: AnyUnit) -> Fraction:
+    assert not isinstance(one, Enumeration) and not isinstance(other, Enumeration)
+    return one.scale / other.scale
