@@ -1,7 +1,7 @@
 """The headline of a page or a terminal: one sentence about all findings, and the number of each verdict.
 
 `all holds` requires that properties were declared and proved. If results only held on recordings or in tests, or if there was
-no property, the headline says so. That of a quick run counts what was not asked, whatever else was found.
+no property, the headline says so. That of a quick run says so, whatever else was found.
 """
 
 from __future__ import annotations
@@ -48,10 +48,9 @@ def counted(found: Sequence[KindAndVerdict], always: Sequence[str] = ()) -> str:
 
 def headline(found: Sequence[KindAndVerdict]) -> str:
     """Return the sentence, which is never better than the worst verdict."""
-    left_open = sum(one.quick for one in found)
-    if not left_open:
+    if not any(one.quick for one in found):
         return _in_full(found)
-    quick, rest = f"quick: {left_open} not asked", [one for one in found if not one.quick]
+    quick, rest = "quick: no proof was asked for", [one for one in found if not one.quick]
     return f"{_in_full(rest)}; {quick}" if worst(one.verdict for one in rest) in _WORSE else quick
 
 

@@ -45,9 +45,10 @@ def test_it_says_what_was_not_asked(call: Call, tmp_path: Path) -> None:
     assert {"not asked"} == {row["verdict"] for row in rows if row["id"] in open_}
     assert {"held"} == {row["verdict"] for row in rows if row["kind"] == "replay"}
     number = sum(row["verdict"] == "not asked" for row in rows)
-    assert called.out.startswith(f"quick: {number} not asked: ")
+    assert called.out.startswith("quick: no proof was asked for: ")
+    assert f", {number} not asked\n" in called.out
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
-    assert f'<span class="verdict">quick: {number} not asked</span>' in page
+    assert '<span class="verdict">quick: no proof was asked for</span>' in page
     assert all(name in page for name in open_)
     assert "all holds" not in page + called.out
     assert "no run of this report can be taken over; <code>safeloc open " in page
@@ -145,12 +146,12 @@ def test_a_case_that_did_not_occur_is_left_open() -> None:
 @pytest.mark.parametrize(
     ("found", "expected"),
     [
-        ([], "quick: 1 not asked"),
-        (["held"], "quick: 1 not asked"),
-        (["proved", "held"], "quick: 1 not asked"),
-        (["not asked"], "quick: 1 not asked"),
-        (["unknown"], "undecided: at least one result is neither proved nor refuted; quick: 1 not asked"),
-        (["violated", "held"], "not all holds; quick: 1 not asked"),
+        ([], "quick: no proof was asked for"),
+        (["held"], "quick: no proof was asked for"),
+        (["proved", "held"], "quick: no proof was asked for"),
+        (["not asked"], "quick: no proof was asked for"),
+        (["unknown"], "undecided: at least one result is neither proved nor refuted; quick: no proof was asked for"),
+        (["violated", "held"], "not all holds; quick: no proof was asked for"),
     ],
 )
 def test_the_headline(found: list[str], expected: str) -> None:
