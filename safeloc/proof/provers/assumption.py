@@ -20,7 +20,8 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, plain_solver, why_unknown
-from safeloc.proof.provers.dead_ends import NO_RUN, lasts
+from safeloc.proof.provers.contradiction import no_run
+from safeloc.proof.provers.dead_ends import lasts
 from safeloc.proof.provers.limits import Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.recheck import rechecked_in_words
@@ -76,8 +77,11 @@ def _moves(system: TransitionSystem, limits: Limits, recordings: Sequence[Record
     unrolling, solver, ends = Unrolling(system), new_solver(), deadline(limits.seconds)
     solver.add(unrolling.initially(), *(unrolling.transition(number) for number in range(_ASSUMPTION_STEPS)))
     answer = ask(solver, ends.left)
-    if answer != z3.sat:
-        return Obligation("assumption", statement, _no_run(answer, solver), "bounded search")
+    if answer == z3.unsat:
+        none = Violated(None, "bmc", no_run(system, _ASSUMPTION_STEPS, ends))
+        return Obligation("assumption", statement, none, "bounded search")
+    if answer == z3.unknown:
+        return Obligation("assumption", statement, Unknown(f"solver: {why_unknown(solver)}"), "bounded search")
     model, still = _most_moving(system, unrolling, solver, ends)
     return Obligation("assumption", statement, *_shown(system, unrolling, model, still))
 
@@ -165,12 +169,6 @@ def _shown(
 def _run(system: TransitionSystem, unrolling: Unrolling, model: z3.ModelRef, steps: int) -> Trace:
     stream: list[dict[str, Value]] = [unrolling.values(model, number, system.inputs) for number in range(steps)]
     return admissible_run(system, unrolling.values(model, 0, system.state), stream)
-
-
-def _no_run(answer: z3.CheckSatResult, solver: z3.Solver) -> Verdict:
-    if answer == z3.unsat:
-        return Violated(None, "bmc", NO_RUN)
-    return Unknown(f"solver: {why_unknown(solver)}")
 
 
 def _moving(system: TransitionSystem) -> Iterable[Var]:

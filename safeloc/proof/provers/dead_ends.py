@@ -25,6 +25,7 @@ from safeloc.language.spec import Goal, Property, always, observe
 from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers.asking import ask, new_solver, why_unknown
+from safeloc.proof.provers.contradiction import no_run
 from safeloc.proof.provers.cover import Cover, Group, Learned, State, cover_facts
 from safeloc.proof.provers.deepening import Deepening
 from safeloc.proof.provers.facts import about
@@ -39,7 +40,6 @@ from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.proof.provers.spacer import spacer
 
 _LASTS = "the assumption can be kept for ever"  # in names of certificates
-NO_RUN = "no run satisfies the assumption: every proof under it would be empty"
 SHALLOW, DEEPEST = 5, 160  # steps of bounded search: before induction, and after it where time allows
 DIRECT, INDUCTION, SEARCH, INVARIANT = 0.6, 0.4, 0.5, 0.5  # shares of the time that is left when their turn comes
 _LEAST_SECONDS = 0.05
@@ -127,7 +127,7 @@ class _Search:
         answer = ask(solver, self.ends.left)
         if answer == z3.unknown:
             self.reasons.append(f"the first step: solver: {why_unknown(solver)}")
-        return Violated(None, "bmc", NO_RUN) if answer == z3.unsat else None
+        return Violated(None, "bmc", no_run(self.system, 1, self.ends)) if answer == z3.unsat else None
 
     # -------------------------------------------------------------- every state with the proved facts
 

@@ -88,16 +88,24 @@ def machine(assumption: Bool, *, first: object = 0, initially: Bool = TRUE) -> M
 
 
 @pytest.mark.parametrize(
-    ("assumption", "initially"),
-    [(GO & ~GO, TRUE), (X > 20, TRUE), (TRUE, (X > 3) & (X < 3))],
+    ("assumption", "initially", "why"),
+    [
+        (GO & ~GO, TRUE, "The clause 'm: assumption' excludes every run by itself, in the first step"),
+        (X > 20, TRUE, "The clause 'm: assumption' excludes every run by itself, in the first step"),
+        (
+            TRUE,
+            (X > 3) & (X < 3),
+            "The first state and the ranges have no run, whatever the clauses (in the first step)",
+        ),
+    ],
     ids=["contradiction", "not at first", "no first state"],
 )
-def test_no_run_at_all_is_no_run(assumption: Bool, initially: Bool) -> None:
-    """If no run begins, the violation comes without a run."""
+def test_no_run_at_all_is_no_run(assumption: Bool, initially: Bool, why: str) -> None:
+    """If no run begins, the violation comes without a run, and says why."""
     verdict = lasts(lower(machine(assumption, first=ANY, initially=initially)), LIMITS)
     assert isinstance(verdict, Violated)
     assert verdict.trace is None
-    assert "no run satisfies the assumption: every proof under it would be empty" == verdict.reason
+    assert f"no run satisfies the assumption: every proof under it would be empty. {why}" == verdict.reason
 
 
 def test_a_first_state_may_be_a_dead_end() -> None:

@@ -189,7 +189,8 @@ def test_an_assumption_that_cannot_be_kept_is_violated() -> None:
     """Proofs under it would be empty, and the finding says so."""
     verdict = _checked("assumption", counter(assumption=TICK & (LEVEL < 3)))["assumption"]
     assert isinstance(verdict, Violated)
-    assert verdict.reason == "no run satisfies the assumption: every proof under it would be empty"
+    why = "no run satisfies the assumption: every proof under it would be empty. The clause"
+    assert verdict.reason == f"{why} 'counter: assumption' excludes every run by itself, within 4 steps"
 
 
 @pytest.mark.thorough
