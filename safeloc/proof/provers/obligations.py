@@ -45,11 +45,11 @@ CHECKS: dict[str, Check] = {
     "division": division,
     "overlap": overlap,
     "absence": absence,
-    "assumption": assumption_kept,
 }
-"""The checks that are one task each; modes and transitions take two, and the cases of properties have a search of their own."""
-REACHABLE, CLAIMS, CASES = "reachable", "absence in claims", "cases"
-ORDER = ("ranges", "overflow", "division", "overlap", "absence", CLAIMS, REACHABLE, "assumption", CASES)
+"""The checks that are one task each, besides that of the assumption; modes and transitions take two, and the cases of properties have a
+search of their own."""
+REACHABLE, CLAIMS, ASSUMPTION, CASES = "reachable", "absence in claims", "assumption", "cases"
+ORDER = ("ranges", "overflow", "division", "overlap", "absence", CLAIMS, REACHABLE, ASSUMPTION, CASES)
 SEARCHES = 5  # searches of one check, each with the full time limit; and one more for each machine
 
 
@@ -73,6 +73,7 @@ def obligations(
 
     def begin(_known: Base, _seconds: float) -> None:
         obliging.begin_search(queue)
+        obliging.begin_assumption(queue)
         obliging.begin_checks(queue)
         cases.begin_search(queue)
 
@@ -127,6 +128,7 @@ class Obliging:
         self._found: dict[str, list[Finding]] = {}
         self._known_runs: list[Obligation] | None = None
         self._search_asked = False
+        self._looked_for, self._waiting = False, list[Callable[[], None]]()
         cases.when_known(self._occurring)
 
     @property
@@ -134,19 +136,33 @@ class Obliging:
         """The findings so far, check by check, and then those about the cases of properties."""
         return [finding for name in ORDER for finding in self._found.get(name, ())]
 
-    def begin_checks(self, queue: Queue) -> None:
-        """Add every check that is one task."""
-        in_claims: Check = partial(absence_in_claims, self._cases.properties)
-        for name, check in {**CHECKS, "assumption": self._lasting, CLAIMS: in_claims}.items():
-            self._check(queue, name, check)
+    @property
+    def reached(self) -> list[Finding]:
+        """The findings about modes and transitions."""
+        return list(self._found.get(REACHABLE, ()))
+
+    def when_reached(self, then: Callable[[], None]) -> None:
+        """Call `then` as soon as it is known which modes and transitions occur: now, if it is."""
+        if self._looked_for:
+            then()
+        else:
+            self._waiting.append(then)
+
+    def _reached_known(self) -> None:
+        self._looked_for = True
+        for then in self._waiting:
+            then()
+        self._waiting.clear()
 
     def begin_assumption(self, queue: Queue) -> None:
-        """Add the check of the assumption, and no other."""
-        self._check(queue, "assumption", self._lasting)
+        """Add the check of the assumption, which takes longest."""
+        self._check(queue, ASSUMPTION, partial(assumption_kept, recordings=self._recordings))
 
-    @property
-    def _lasting(self) -> Check:
-        return partial(assumption_kept, recordings=self._recordings)
+    def begin_checks(self, queue: Queue) -> None:
+        """Add every other check that is one task."""
+        in_claims: Check = partial(absence_in_claims, self._cases.properties)
+        for name, check in {**CHECKS, CLAIMS: in_claims}.items():
+            self._check(queue, name, check)
 
     def _check(self, queue: Queue, name: str, check: Check) -> None:
         self._add(queue, name, partial(check, self._system, self._limits), partial(self._receive, name))
@@ -168,6 +184,7 @@ class Obliging:
 
     def _search(self, queue: Queue, known_runs: Sequence[Obligation]) -> None:
         if all(map(_is_shown, known_runs)):
+            self._reached_known()
             return
 
         def others() -> Iterator[Obligation]:
@@ -181,6 +198,7 @@ class Obliging:
         made = list(_distinct(_unpacked(self._system, REACHABLE, packed)))
         if isinstance(packed, Lost):
             self._keep(REACHABLE, [_finding(self._system, one, seconds) for one in made])
+            self._reached_known()
             return
         self._known_runs = made
         shown = [one for one in made if _is_shown(one)]
@@ -197,6 +215,7 @@ class Obliging:
         self._found[REACHABLE] = sorted([*shown, *found], key=lambda one: place.get(one.id, len(place)))
         for finding in found:
             self._tell(finding)
+        self._reached_known()
 
     def _receive(self, name: str, packed: list[Packed] | Lost, seconds: float) -> None:
         made = _unpacked(self._system, name, packed)
@@ -210,6 +229,12 @@ class Obliging:
         self._found[name] = findings
         for finding in findings:
             self._tell(finding)
+
+
+def reaching(system: TransitionSystem, findings: Sequence[Finding]) -> list[Finding]:
+    """Return those of the findings that are about modes and transitions."""
+    of = (_about(system, "mode "), _about(system, "transition "))
+    return [one for one in findings if one.id.startswith(of)]
 
 
 def _is_shown(one: Obligation) -> bool:
@@ -243,4 +268,8 @@ def _finding(system: TransitionSystem, one: Obligation, seconds: float) -> Findi
 
 
 def _id(system: TransitionSystem, one: Obligation) -> str:
-    return f"{system.name}/obligation/{one.name}"
+    return _about(system, one.name)
+
+
+def _about(system: TransitionSystem, name: str) -> str:
+    return f"{system.name}/obligation/{name}"

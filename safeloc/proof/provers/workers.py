@@ -74,7 +74,7 @@ Then = Callable[[Any | Lost, float], None]
 
 
 class Queue:
-    """Tasks that wait, and those that run in processes of their own, at most `jobs` at a time; the first added begins first.
+    """Tasks that wait, and those that run in processes of their own, at most `jobs` at a time; the first added begins first, unless one is to be the next.
 
     If slots are shared (safeloc.proof.provers.slots), each task needs one, and this process gives its own back while it waits.
     """
@@ -84,11 +84,14 @@ class Queue:
         self._waiting, self._running, self._then = list[int](), list[_Worker](), dict[int, Then]()
         self._idle = list[_Worker]()
 
-    def add(self, task: Task, then: Then | None = None) -> None:
-        """Add a task; also from the `then` of another one."""
+    def add(self, task: Task, then: Then | None = None, *, next_: bool = False) -> None:
+        """Add a task; also from the `then` of another one.
+
+        next_  it begins before all others that wait: a long one, which would end last
+        """
         number = len(self._tasks)
         self._tasks.append(task)
-        self._waiting.append(number)
+        self._waiting.insert(0 if next_ else len(self._waiting), number)
         if then is not None:
             self._then[number] = then
 

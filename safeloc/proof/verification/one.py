@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
+from safeloc.errors import EngineError, SafelocError
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers.antecedents import found
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.obligations import CHECKS, Obliging, assumption_obligations, obligations
+from safeloc.proof.provers.obligations import CHECKS, Obliging, assumption_obligations, obligations, reaching
 from safeloc.proof.provers.portfolio import OnFinding, Proving, prove, with_base
 from safeloc.proof.provers.proved_base import Base
 from safeloc.proof.provers.recorded_witnesses import Recording, Witnesses
-from safeloc.proof.provers.workers import Queue
+from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
 from safeloc.proof.testing import run_tests
 from safeloc.proof.verification.other_figures import refused_recordings
+from safeloc.proof.verification.plain import Plain, pack_findings, unpack_findings
 from safeloc.proof.verification.replay import replay_stream, run_with_truth
 from safeloc.proof.verification.unasked import as_left_open, left_open, nothing_asked
 from safeloc.proof.verification.witness_files import read_witnesses
@@ -31,6 +33,8 @@ OnPhase = Callable[[str, int], None]
 """Callback for the start of a phase: its description, and the expected number of findings."""
 
 
+_UNLIMITED_S = 1e9
+"""Property tests end by themselves: their number is limited."""
 ASSUMPTION_COUNT = 3
 """Number of the obligations of the assumption."""
 
@@ -70,8 +74,7 @@ class Work:
         if plan.quick:
             findings = [*nothing_asked(self.target), *left_open(self.target), *self.tested(plan, ())]
         else:
-            proved, obliged = self.proved_and_obliged(plan.limits)
-            findings = [*proved, *obliged, *self.tested(plan, obliged)]
+            findings = [one for part in self._side_by_side(plan.limits, plan) for one in part]
         return self._noted([*findings, *self._replayed()])
 
     def _noted(self, findings: list[Finding]) -> list[Finding]:
@@ -93,6 +96,11 @@ class Work:
 
     def proved_and_obliged(self, limits: Limits) -> tuple[list[Finding], list[Finding]]:
         """Prove lemmas, contracts, all properties and the obligations, side by side; return those, and the obligations."""
+        proved, obliged, _ = self._side_by_side(limits, None)
+        return proved, obliged
+
+    def _side_by_side(self, limits: Limits, tests: Plan | None) -> tuple[list[Finding], list[Finding], list[Finding]]:
+        """Prove everything, and run the property tests of a plan as soon as the runs are known along which they start."""
         self.on_phase(
             f"proving {self.target.name}", claims(self.target, self.target.properties) + obligation_count(self.target)
         )
@@ -102,18 +110,42 @@ class Work:
         cases = CaseSearch(system, properties, limits, recordings, self._witnesses)
         proving = Proving(system, properties, limits, cases, self.on_finding)
         obliging = Obliging(system, limits, cases, self.on_finding, recordings, self._witnesses)
+        tested = list[Finding]()
 
         def begin(known: Base, seconds: float) -> None:
             cases.begin_search(queue)
             obliging.begin_search(queue)
+            obliging.begin_assumption(queue)
             proving.begin(queue, known, seconds)
             obliging.begin_checks(queue)
+
+        def test(plan: Plan) -> None:
+            self.on_phase(f"testing {self.target.name}", len(properties))
+            work = partial(self._tests_as_data, plan, obliging.reached)
+            task = Task(f"{self.target.name}: property tests", work, _UNLIMITED_S)
+            queue.add(task, lambda data, _: tested.extend(self._announced(self._received(data))), next_=True)
 
         with_base(queue, system, limits, begin)
         obliging.begin_known_runs(queue)
         cases.begin_known_runs(queue)
+        if tests is not None:
+            cases.when_known(lambda _: obliging.when_reached(partial(test, tests)))
         queue.run()
-        return [*asked, *proving.findings], obliging.findings
+        return [*asked, *proving.findings], obliging.findings, tested
+
+    def _tests_as_data(self, plan: Plan, reached: Sequence[Finding]) -> Plain | SafelocError:
+        """Return the findings of the property tests for another process, or the error that a recording is."""
+        try:
+            return pack_findings(self._tests(plan, reached), self.target.system)
+        except SafelocError as error:
+            return error
+
+    def _received(self, data: Plain | SafelocError | Lost) -> list[Finding]:
+        if isinstance(data, SafelocError):
+            raise data
+        if isinstance(data, Lost):
+            raise EngineError(f"{self.target.name}: property tests: {data.reason}.")
+        return unpack_findings(data, self.target.system)
 
     def proved(self, properties: Sequence[Property], limits: Limits) -> list[Finding]:
         """Prove lemmas, contracts and these properties."""
@@ -154,15 +186,19 @@ class Work:
         Runs also start along witnesses and shipped streams, so that deep modes and cases are tested.
         """
         self.on_phase(f"testing {self.target.name}", len(self.target.properties))
+        return self._announced(self._tests(plan, reaching(self.target.system, obliged)))
+
+    def _tests(self, plan: Plan, reached: Sequence[Finding]) -> list[Finding]:
+        """Run the property tests, given the findings about modes and transitions."""
         system, properties = self.target.system, self.target.properties
-        shown = [one.result.witness for one in obliged if isinstance(one.result, Proved)]
+        shown = [one.result.witness for one in reached if isinstance(one.result, Proved)]
         witnesses = [
             run for run in shown if run is not None and not run.system.composition
         ]  # of the composition, not of one machine alone
         streams = [run_with_truth(self.target, path) for path in self._streams]
         corpus = [run for run in (*witnesses, *found(system, properties).runs(), *streams) if run is not None]
         tests = run_tests(system, properties, examples=plan.examples, steps=plan.steps, seed=plan.seed, corpus=corpus)
-        return self._announced(list(map(as_left_open, tests)) if plan.quick else tests)
+        return list(map(as_left_open, tests)) if plan.quick else tests
 
     @cached_property
     def _streams(self) -> tuple[Path, ...]:
@@ -192,7 +228,7 @@ def claims(target: Target, properties: Sequence[Property]) -> int:
 
 def obligation_count(target: Target) -> int:
     """Estimate the number of obligations: one of each kind, and one for each mode and transition."""
-    return len(CHECKS) + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
+    return len(CHECKS) + 1 + sum(len(machine.modes) + len(machine.transitions) for machine in target.machines)
 
 
 def expected(target: Target) -> int:

@@ -12,7 +12,7 @@ from safeloc.language.composed_names import contract_text
 from safeloc.language.expr import TRUE
 from safeloc.language.verdict import NotAsked, Vacuous
 from safeloc.proof.provers.absent_in_claims import some_read
-from safeloc.proof.provers.obligations import CHECKS, CLAIMS
+from safeloc.proof.provers.obligations import ASSUMPTION, CHECKS, CLAIMS
 from safeloc.proof.results import Finding, Kind
 from safeloc.target import Target
 
@@ -81,7 +81,7 @@ def _lemmas_and_obligations(target: Target) -> Iterator[tuple[Kind, str, str]]:
     for part in target.system.parts:
         if part.contract is not TRUE:
             yield "lemma", contract_text(part.name), f"what {part.name} assumes is guaranteed by the machines before it"
-    for check in CHECKS:
+    for check in (*CHECKS, ASSUMPTION):
         if check != "overlap":  # one of each machine
             yield "obligation", check, f"built-in check {check}"
     if some_read(target.properties, target.system):
