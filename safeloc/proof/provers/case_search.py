@@ -73,7 +73,7 @@ class CaseSearch:
         task = antecedents.search_task(
             self._system, self.properties, self._limits, self._recordings, self._witnesses, shown
         )
-        queue.add(task, self._remember)
+        queue.add(task, self._remember, next_=True)
 
     def when_known(self, then: Callable[[float], None]) -> None:
         """Call `then` with the seconds of the search as soon as it has ended: now, if it has."""

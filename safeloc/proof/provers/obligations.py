@@ -178,9 +178,11 @@ class Obliging:
         if self._known_runs is not None:
             self._search(queue, self._known_runs)
 
-    def _add(self, queue: Queue, name: str, work: Callable[[], Iterator[Obligation]], then: Then) -> None:
+    def _add(
+        self, queue: Queue, name: str, work: Callable[[], Iterator[Obligation]], then: Then, *, next_: bool = False
+    ) -> None:
         most = CLOCK * (SEARCHES + len(self._system.parts)) * self._limits.seconds + GRACE_SECONDS
-        queue.add(Task(f"{self._system.name}: {name}", partial(_packed, work), most), then)
+        queue.add(Task(f"{self._system.name}: {name}", partial(_packed, work), most), then, next_=next_)
 
     def _search(self, queue: Queue, known_runs: Sequence[Obligation]) -> None:
         if all(map(_is_shown, known_runs)):
@@ -192,7 +194,7 @@ class Obliging:
             pairs = zip(every, known_runs, strict=True)
             return (replace(one, name=known.name) for one, known in pairs if not _is_shown(known))
 
-        self._add(queue, REACHABLE, others, self._receive_others)
+        self._add(queue, REACHABLE, others, self._receive_others, next_=True)
 
     def _receive_known_runs(self, queue: Queue, packed: list[Packed] | Lost, seconds: float) -> None:
         made = list(_distinct(_unpacked(self._system, REACHABLE, packed)))
