@@ -44,6 +44,7 @@ from safeloc.proof.verification.one import Plan
 from safeloc.report.copied import copied_to
 from safeloc.report.data import NOT_ASKED, report_data
 from safeloc.report.folder import JUNIT, PAGE, SARIF, cleared, files_of, usable, write_folder
+from safeloc.report.kept_pieces import KeptPieces
 from safeloc.report.made_by import made_by
 from safeloc.report.proof_evidence import evidence_data
 
@@ -133,6 +134,7 @@ def verify(
         scores=scores,
         on_written=keep_it,
         jobs=jobs,
+        kept=KeptPieces(store, fresh),
     )
     copies()
     store.trim()

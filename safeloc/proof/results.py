@@ -40,6 +40,7 @@ class Finding:
     replayed      the recorded run that the verdict is about
     notes         further information for the reader, such as the properties that were not checked
     kept_since    the date (UTC) of the earlier run whose cached result this is; "" for a new result
+    kept_as       the digest of the results with which it is in the cache; "" if it is not
     """
 
     id: str
@@ -55,6 +56,7 @@ class Finding:
     replayed: Replayed | None = None
     notes: Mapping[str, str] = field(default_factory=dict)
     kept_since: str = ""
+    kept_as: str = ""
 
 
 class Findings(list[Finding]):

@@ -65,6 +65,7 @@ def report_data(
     margins: Mapping[str, Any] = NOT_ASKED,
     scores: Mapping[str, Any] = NOT_ASKED,
     of_targets: Mapping[str, OfTarget] = NOT_ASKED,
+    pictures: Mapping[str, list[dict[str, Any]]] = NOT_ASKED,
 ) -> dict[str, Any]:
     """Return the complete report as JSON-ready data.
 
@@ -74,6 +75,7 @@ def report_data(
     margins    target's name -> how far its figures may move (safeloc.assurance.margins.kept_margins), where that was found
     scores     target's name -> how many wrong machines a proof notices (safeloc.assurance.mutation.kept_score), where that was measured
     of_targets  target's name -> what its declaration alone says (`of_target`), where that was made before
+    pictures   target's name -> the pictures of its recordings (`pictures_of`), where they were made before
     """
     targets = list(targets)
     own = {target.name: of_targets.get(target.name) or of_target(target) for target in targets}
@@ -81,7 +83,7 @@ def report_data(
     machines = [
         {
             **own[target.name].machine,
-            "pictures": _pictures(target, findings),
+            "pictures": pictures[target.name] if target.name in pictures else pictures_of(target, findings),
             "evidence": evidence.get(target.name),
             "margins": margins.get(target.name),
             "mutation": scores.get(target.name),
@@ -103,7 +105,8 @@ def report_data(
     }
 
 
-def _pictures(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:
+def pictures_of(target: Target, findings: Sequence[Finding]) -> list[dict[str, Any]]:
+    """Return the pictures of a target's recordings; with many recordings they take as long as all the rest of the data."""
     if not target.pictures:
         return []
     from safeloc.report.pictures import pictures_data  # a machine without pictures needs none of the railway

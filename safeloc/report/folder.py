@@ -29,11 +29,12 @@ from safeloc.language.trace import Trace
 from safeloc.proof.results import Finding
 from safeloc.report import certificates, stored
 from safeloc.report.changes import changes
-from safeloc.report.data import NOT_ASKED, SCHEMA, of_target, report_data, run_of, schema
+from safeloc.report.data import NOT_ASKED, SCHEMA, OfTarget, of_target, pictures_of, report_data, run_of, schema
 from safeloc.report.digests import SUMS, misfits, renew_digests, write_digests
 from safeloc.report.junit import to_junit
+from safeloc.report.kept_pieces import NOTHING_KEPT, KeptPieces, of_results_key, of_target_key, of_texts_key
 from safeloc.report.page import PARTS, to_pages
-from safeloc.report.pieces import made_pieces
+from safeloc.report.pieces import Piece, made_pieces
 from safeloc.report.run_page import RUN_PAGE, machine_script
 from safeloc.report.sarif import to_sarif
 from safeloc.runtime.locked_folder import locked
@@ -78,6 +79,7 @@ def write_folder(
     scores: Mapping[str, Any] = NOT_ASKED,
     on_written: Callable[[], None] = lambda: None,
     jobs: int = 1,
+    kept: KeptPieces = NOTHING_KEPT,
 ) -> Path:
     """Write the report and return the path of the page. Files of an earlier report in this folder are removed.
 
@@ -89,6 +91,7 @@ def write_folder(
     scores      target's name -> how many wrong machines a proof notices, where that was measured
     on_written  called after everything is written, before another run can write here
     jobs        processes in which what belongs to single machines is made
+    kept        where that is kept from run to run
 
     If two runs write into one folder at once, the second one waits, so that a report is always of one run.
     InputError if the folder cannot be written.
@@ -96,9 +99,10 @@ def write_folder(
     archives = certificates.archives(findings)
     runs = _runs(findings)
     files = stored.names_of_files((one.name for one in targets), (one.machine for one in findings))
-    made_of = made_pieces(dict(_pieces(targets, runs, archives, files)), jobs)
-    of_targets = {one.name: made_of["target", one.name] for one in targets}
-    everything = report_data(findings, targets, evidence, strengths, made, margins, scores, of_targets)
+    made_of = made_pieces(dict(_pieces(targets, findings, runs, archives, files)), jobs, kept)
+    of_targets = {one.name: OfTarget(**made_of["target", one.name]) for one in targets}
+    pictures = {one.name: made_of["pictures", one.name] for one in targets}
+    everything = report_data(findings, targets, evidence, strengths, made, margins, scores, of_targets, pictures)
     steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
     names = {file: list(texts) for file, texts in archives.items()}
     small, machines = stored.split_data(everything, names, steps)
@@ -130,24 +134,32 @@ def write_folder(
         raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error
 
 
-_Piece = tuple[tuple[str, str], Callable[[], Any]]
-
-
 def _pieces(
     targets: Sequence[Target],
+    findings: Sequence[Finding],
     runs: Mapping[str, Sequence[Shown]],
     archives: certificates.Archives,
     files: Mapping[str, str],
-) -> Iterator[_Piece]:
-    """Yield what belongs to single machines, by kind and name, each as a function that makes it."""
+) -> Iterator[tuple[tuple[str, str], Piece]]:
+    """Yield what belongs to single machines, by kind and name."""
     for one in targets:
-        yield ("target", one.name), partial(of_target, one)
+        own = [finding for finding in findings if finding.machine == one.name]
+        yield ("target", one.name), Piece(partial(_plain, one), of_target_key(one, "target"))
+        yield ("pictures", one.name), Piece(partial(pictures_of, one, own), of_results_key(one, own, "pictures"))
         if one.name in runs:
-            yield ("script", one.name), partial(machine_script, files[one.name], one)
-    for name, own in runs.items():
-        yield ("runs", name), partial(runs_file, own, files[name])
+            file = files[one.name]
+            yield ("script", one.name), Piece(partial(machine_script, file, one), of_target_key(one, "script", file))
+            shown = partial(runs_file, runs[one.name], file)
+            yield ("runs", one.name), Piece(shown, of_results_key(one, own, "runs", file))
+    for name in sorted(runs.keys() - {one.name for one in targets}):
+        yield ("runs", name), Piece(partial(runs_file, runs[name], files[name]))
     for file, texts in archives.items():
-        yield ("certificates", file), partial(certificates.packed_texts, texts)
+        yield ("certificates", file), Piece(partial(certificates.packed_texts, texts), of_texts_key(texts))
+
+
+def _plain(target: Target) -> dict[str, Any]:
+    made = of_target(target)
+    return {"machine": made.machine, "shared": made.shared}
 
 
 def files_of(folder: Path) -> list[str]:

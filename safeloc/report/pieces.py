@@ -1,26 +1,44 @@
-"""Pieces of a report that are made independently of each other, in several processes at once."""
+"""Pieces of a report that are made independently of each other, in several processes at once, unless they are kept."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from safeloc.proof.provers.workers import Lost, Task, in_processes
+from safeloc.report.kept_pieces import NOTHING_KEPT, KeptPieces
 
 _MOST_S = 600.0
-Key = TypeVar("Key", bound=Hashable)
+Name = TypeVar("Name", bound=Hashable)
 
 
-def made_pieces(pieces: Mapping[Key, Callable[[], Any]], jobs: int) -> dict[Key, Any]:
-    """Return each piece, by its key: made here with one job, else in so many processes.
+@dataclass(frozen=True)
+class Piece:
+    """How a piece is made, and the key under which it is kept; "" for one that is not."""
+
+    make: Callable[[], Any]
+    key: str = ""
+
+
+def made_pieces(pieces: Mapping[Name, Piece], jobs: int, kept: KeptPieces = NOTHING_KEPT) -> dict[Name, Any]:
+    """Return each piece, by its name: as it is kept, or made here with one job, else in so many processes.
 
     A piece whose process was ended, by the system or after ten minutes, is made here. EngineError if making one raised an exception in a process.
     """
+    found = {name: had for name, one in pieces.items() if (had := kept.found(one.key)) is not None}
+    left = {name: one for name, one in pieces.items() if name not in found}
+    for name, made in _made(left, jobs):
+        found[name] = made
+        kept.keep(left[name].key, made)
+    return {name: found[name] for name in pieces}
+
+
+def _made(pieces: Mapping[Name, Piece], jobs: int) -> Iterator[tuple[Name, Any]]:
     if jobs < 2:
-        return {key: make() for key, make in pieces.items()}
-    keys, found = list(pieces), dict[Key, Any]()
-    tasks = [Task(f"report: {key}", make, _MOST_S, follows=True) for key, make in pieces.items()]
+        yield from ((name, one.make()) for name, one in pieces.items())
+        return
+    names = list(pieces)
+    tasks = [Task(f"report: {name}", one.make, _MOST_S, follows=True) for name, one in pieces.items()]
     for number, answer, _ in in_processes(tasks, jobs):
-        key = keys[number]
-        found[key] = pieces[key]() if isinstance(answer, Lost) else answer
-    return {key: found[key] for key in keys}
+        yield names[number], pieces[names[number]].make() if isinstance(answer, Lost) else answer

@@ -14,7 +14,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.report import data
 from safeloc.report.folder import write_folder
-from safeloc.report.pieces import made_pieces
+from safeloc.report.pieces import Piece, made_pieces
 from tests.shipped import shipped
 
 
@@ -26,7 +26,7 @@ def square(number: int) -> Callable[[], int]:
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_each_is_there_in_order(jobs: int) -> None:
     """By its key."""
-    found = made_pieces({("square", number): square(number) for number in range(5)}, jobs)
+    found = made_pieces({("square", number): Piece(square(number)) for number in range(5)}, jobs)
     assert [*found.items()] == [(("square", number), number * number) for number in range(5)]
 
 
@@ -39,7 +39,10 @@ def test_a_process_that_is_ended_is_no_loss() -> None:
             os.kill(os.getpid(), signal.SIGKILL)
         return "made"
 
-    assert made_pieces({"mortal": mortal, "other": lambda: "too"}, 2) == {"mortal": "made", "other": "too"}
+    assert made_pieces({"mortal": Piece(mortal), "other": Piece(lambda: "too")}, 2) == {
+        "mortal": "made",
+        "other": "too",
+    }
 
 
 def test_an_exception_is_told() -> None:
@@ -49,7 +52,7 @@ def test_an_exception_is_told() -> None:
         raise ValueError("no such thing")
 
     with pytest.raises(EngineError, match=r"^report: \('script', 'door'\): ValueError: no such thing$"):
-        made_pieces({("script", "door"): wrong}, 2)
+        made_pieces({("script", "door"): Piece(wrong)}, 2)
 
 
 def test_a_report_made_by_several_processes_is_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

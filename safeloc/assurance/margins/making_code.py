@@ -10,7 +10,7 @@ import ast
 import hashlib
 import io
 import tokenize
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -21,13 +21,16 @@ _LEFT_OUT = frozenset({"simulate", "simulation", "picture", "pictures", "line_ru
 _BODIES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
-def making_modules(folder: str) -> Mapping[str, Path]:
-    """Return the modules from which the machines of a folder of `models/` are made, by name, each with its file."""
+def making_modules(folder: str, left_out: Collection[str] = _LEFT_OUT) -> Mapping[str, Path]:
+    """Return the modules from which the machines of a folder of `models/` are made, by name, each with its file.
+
+    left_out  names of modules that are not followed
+    """
     found: dict[str, Path] = {}
     waiting = [f"safeloc.models.{folder}.target"]
     while waiting:
         name = waiting.pop()
-        path = None if name in found or not _is_followed(name) else _file(name)
+        path = None if name in found or not _is_followed(name, left_out) else _file(name)
         if path is not None:
             found[name] = path
             waiting += _imported(path)
@@ -49,11 +52,10 @@ def _digest_without_words(text: str) -> bytes:
     return hashlib.sha256(without_words(text).encode()).digest()
 
 
-def _is_followed(name: str) -> bool:
+def _is_followed(name: str, left_out: Collection[str]) -> bool:
     inside = name.removeprefix("safeloc.")
-    return any(inside == one or inside.startswith(f"{one}.") for one in _FOLLOWED) and _LEFT_OUT.isdisjoint(
-        name.split(".")
-    )
+    followed = any(inside == one or inside.startswith(f"{one}.") for one in _FOLLOWED)
+    return followed and not any(part in left_out for part in name.split("."))
 
 
 def _file(name: str) -> Path | None:

@@ -49,6 +49,12 @@ def source_digest() -> str:
     return _over("", _files(PACKAGE, READ))
 
 
+@cache
+def tools_digest() -> str:
+    """Return the SHA-256 over the engine and all that displays, checks or hosts: over everything but declarations and documentation."""
+    return _over(engine_digest(), _files(PACKAGE, (*DECLARING, *READ)))
+
+
 def undisturbed() -> bool:
     """Return whether no file of the package was written since this process started.
 

@@ -38,17 +38,26 @@ def asked(target: Target, *question: object) -> Asked:
 
 
 def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
-    """Return the cached findings, each with the time at which it was cached; None if there are none."""
+    """Return the cached findings, each with the time at which it was cached, and as what; None if there are none."""
     entry = None if store is None else store.get(_KIND, one.key)
     if entry is None:
         return None
     findings = unpack_findings(json.loads(gzip.decompress(entry.data)), one.target.system)
-    return [replace(finding, kept_since=entry.since) for finding in findings]
+    return [replace(finding, kept_since=entry.since, kept_as=_digest(entry.data)) for finding in findings]
 
 
-def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> None:
-    """Cache the findings, if all are decided and no file of the package was written since the process started."""
+def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> list[Finding]:
+    """Cache the findings, if all are decided and no file of the package was written since the process started.
+
+    Return them, each with what it is in the cache as, if they are.
+    """
     if store is None or any(isinstance(finding.result, Unknown) for finding in findings) or not undisturbed():
-        return
+        return list(findings)
     plain = pack_findings(findings, one.target.system)
-    store.put(_KIND, one.key, gzip.compress(json.dumps(plain).encode(), _QUICKLY, mtime=0))
+    data = gzip.compress(json.dumps(plain).encode(), _QUICKLY, mtime=0)
+    store.put(_KIND, one.key, data)
+    return [replace(finding, kept_as=_digest(data)) for finding in findings]
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

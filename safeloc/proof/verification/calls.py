@@ -90,7 +90,7 @@ class _Keeping:
             with kept_in(self.store, fresh=self.fresh):
                 found = work()
             if request is not None:
-                keep(self.store, request, found)
+                found = keep(self.store, request, found)
         return found
 
 
