@@ -138,3 +138,22 @@ def test_a_task_that_was_added_later_follows_as_well() -> None:
     queue.add(Task("two", lambda: 2, 30.0, follows=True), follow)
     queue.run()
     assert [2, 4, 16, 256] == found
+
+
+def test_a_task_may_be_the_next_one() -> None:
+    """It begins before those that have waited longer."""
+    queue, began = Queue(1), list[str]()
+
+    def add(name: str, *, next_: bool = False, then: str = "") -> None:
+        def ended(*_: object) -> None:
+            began.append(name)
+            if then:
+                add(then, next_=True)
+
+        queue.add(Task(name, lambda: None, 30.0), ended, next_=next_)
+
+    add("first", then="long")
+    add("second")
+    add("third", next_=True)
+    queue.run()
+    assert ["third", "first", "long", "second"] == began
