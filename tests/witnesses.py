@@ -20,7 +20,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.obligations import obligations
-from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording
+from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
 from safeloc.proof.results import Finding
 from safeloc.proof.verification.witness_files import read_witnesses, write_witnesses
 from safeloc.runtime.streams.steps import read_steps
@@ -41,10 +41,20 @@ def witnesses(target: Target, *, anew: bool, minutes: float = 0.0) -> list[Trace
         name = target.system.name
         further = onward_runs(target, [*known.get(name, ()), *recordings], minutes, partial(print, flush=True))
         known[name] = [*known.get(name, ()), *(Recording(first_of(run), run.stream()) for run in further)]
+    of_whole = {one: runs for one, runs in known.items() if one == target.system.name}
+    found = _events(target, recordings, of_whole)  # searched also for what one machine alone shows in vain since then
+    if known != of_whole:
+        further = [Recording(first_of(run), run.stream()) for run in found if run.system.name == target.system.name]
+        of_whole[target.system.name] = [*of_whole.get(target.system.name, ()), *further]
+        found += _events(target, recordings, {**known, **of_whole})
+    return without_beginnings(found)
+
+
+def _events(target: Target, recordings: Sequence[Recording], known: Witnesses) -> list[Trace]:
     found = obligations(
         target.system, Limits(), jobs=2, recordings=recordings, witnesses=known, properties=target.properties
     )
-    return without_beginnings(run for finding in found for run in run_of(finding))
+    return [run for finding in found for run in run_of(finding)]
 
 
 def run_of(finding: Finding) -> list[Trace]:

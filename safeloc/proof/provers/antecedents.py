@@ -336,21 +336,27 @@ class _Together:
         Tried in turn: exclusion in one step, random runs, bounded search, search from states of recordings,
         runs of one machine alone, exclusion by k-induction and by Spacer. The rest stays open. In a composition a short search
         and the runs of one machine come first for properties that it inherits from that machine: those of its own need a run
-        of the whole. No random run is drawn for a case that a shipped witness of one machine alone shows.
+        of the whole. For a case of an inherited property that a shipped witness of one machine alone shows, the whole is not searched:
+        that was in vain when the witness was made.
         """
         self._exclude(self._unlikely(), self._ends.left / 3)
         alone = {number: run for number in self._left if (run := self._shipped_alone(number, witnesses)) is not None}
         self._draw([number for number in self._left if number not in alone], recordings)
         if self._system.parts:
+            self._find_alone([number for number in self._inherited if number in alone], alone)
             self._search(min(self._ends.left, self._limits.seconds * AT_FIRST))
-            inherited = [number for number in self._left if self._asked[number].prop.kept_by is not None]
-            self._find_alone(inherited, alone)
+            self._find_alone(self._inherited, alone)
         self._search(self._ends.left / 2)
         self._beside(recordings)
         self._find_alone(self._left, alone)
         self._exclude(self._left, self._ends.left / 2)
         self._exclude(self._left, self._ends.left, spacer)
         return self._found | {number: Open("not found") for number in self._left}
+
+    @property
+    def _inherited(self) -> list[int]:
+        """The cases left of properties that the composition inherits from a machine."""
+        return [number for number in self._left if self._asked[number].prop.kept_by is not None]
 
     @property
     def _left(self) -> list[int]:

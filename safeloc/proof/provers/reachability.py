@@ -81,7 +81,8 @@ def beyond_known_runs(
     kept = _going_on(targets, soon)
     members = list(_members(system, targets, kept.left, known, limits, witnesses))
     kept = _excluded_in_the_whole(kept, members, known.everything, limits)
-    kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST))
+    in_vain = _shown_alone(system, targets, witnesses)
+    kept = _searched(kept, replace(limits, seconds=limits.seconds * AT_FIRST), without=in_vain)
     if not system.parts:
         kept = _searched(_leapt(kept, limits), limits)
     unseen = [one for one in targets if one.goal in kept.left]
@@ -107,7 +108,8 @@ def beyond_known_runs(
             why = f"a run of the machine alone reaches it ({alone[one].words}), but no run of the composition, whatever the inputs: dead in the composition"
             yield Obligation(one.name, one.statement, Violated(None, "1-induction", why), "1-induction")
         elif one in alone:
-            yield _only_alone(one, alone[one], depth, excluded)
+            searched = _IN_VAIN if one.goal in in_vain else _none_of_the_composition(depth)
+            yield _only_alone(one, alone[one], searched, excluded)
         else:
             yield Obligation(one.name, one.statement, _dead(one.free, broken.depth, limits), "bounded search")
 
@@ -333,11 +335,12 @@ def _excluded_in_the_whole(
     return replace(looked, excluded=excluded)
 
 
-def _only_alone(target: Target, alone: _Alone, depth: int, excluded: bool) -> Obligation:
+_IN_VAIN = "the whole was searched in vain when this witness was made"
+
+
+def _only_alone(target: Target, alone: _Alone, searched: str, excluded: bool) -> Obligation:
     """Report a target that only the machine alone reaches, with the result for the composition."""
-    in_composition = (
-        "proved impossible in the whole while the assumption is kept" if excluded else _none_of_the_composition(depth)
-    )
+    in_composition = "proved impossible in the whole while the assumption is kept" if excluded else searched
     verdict = Proved(None, "bmc", len(alone.run.steps), ("interpreter",), witness=alone.run)
     method = f"of the machine by itself, {alone.words}; {in_composition}"
     return Obligation(target.name, f"{target.statement}, by itself", verdict, method)
@@ -348,7 +351,7 @@ def _none_of_the_composition(depth: int) -> str:
 
 
 def _shown_alone(system: TransitionSystem, targets: Sequence[Target], witnesses: Witnesses) -> set[Goal]:
-    """Return the goals that a witness of one machine alone reaches: when it was made, random runs of the whole did not."""
+    """Return the goals that a witness of one machine alone reaches: when it was made, the whole was searched in vain."""
     found: set[Goal] = set()
     for number, part in enumerate(system.parts):
         if part.alone.name not in witnesses:

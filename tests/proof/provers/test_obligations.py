@@ -187,7 +187,7 @@ def test_what_is_too_deep_is_unknown() -> None:
 
 def test_an_assumption_that_cannot_be_kept_is_violated() -> None:
     """Proofs under it would be empty, and the finding says so."""
-    verdict = _checked("assumption", counter(assumption=TICK & (LEVEL < 3)))["assumption"]
+    verdict = _found(counter(assumption=TICK & (LEVEL < 3)))["assumption"].result
     assert isinstance(verdict, Violated)
     why = "no run satisfies the assumption: every proof under it would be empty. The clause"
     assert verdict.reason == f"{why} 'counter: assumption' excludes every run by itself, within 4 steps"

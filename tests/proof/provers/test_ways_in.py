@@ -416,9 +416,9 @@ def test_what_only_the_machine_by_itself_shows_is_told_as_that(monkeypatch: pyte
 
 
 def test_a_shipped_witness_of_one_machine_is_no_run_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is reported as of the machine by itself, and what the whole reaches by a search stays shown of the whole.
+    """It is reported as of the machine by itself, and the whole is not searched: that was in vain when the witness was made.
 
-    No random run is drawn for an event that such a witness shows.
+    Whether the whole can reach the event at all is asked.
     """
     calm, alarm = modes("CALM", "ALARM")
     heard = number("q", ONE, 0, 9)
@@ -443,7 +443,9 @@ def test_a_shipped_witness_of_one_machine_is_no_run_of_the_whole(monkeypatch: py
             assert ("row 1 of machine 1" in drawn_for) == (alone not in witnesses)
             assert isinstance(one.verdict, Proved) == bool(statement)
             assert one.statement.startswith(statement)
-            assert "by itself" not in one.statement
+            of_alone = alone in witnesses and bool(statement)
+            assert of_alone == ("by itself" in one.statement)
+            assert of_alone == one.method.endswith("; the whole was searched in vain when this witness was made")
             assert "shipped" not in one.method
 
 
