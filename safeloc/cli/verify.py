@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -42,7 +42,7 @@ from safeloc.proof.verification.many import in_order, verify_targets
 from safeloc.proof.verification.memory import Memory
 from safeloc.proof.verification.one import Plan
 from safeloc.report.copied import copied_to
-from safeloc.report.data import NOT_ASKED, report_data
+from safeloc.report.data import NOT_ASKED
 from safeloc.report.folder import JUNIT, PAGE, SARIF, cleared, files_of, usable, write_folder
 from safeloc.report.kept_pieces import KeptPieces
 from safeloc.report.made_by import made_by
@@ -116,7 +116,9 @@ def verify(
     findings = _verified(loaded, plan, jobs, store, fresh=fresh, quiet=as_json)
     evidence_of = _evidence(loaded, jobs, store, fresh=fresh, quiet=as_json) if evidence else NOT_ASKED
 
-    def keep_it() -> None:
+    def written(data: Mapping[str, Any]) -> None:
+        if as_json:
+            print_json(data)
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
@@ -132,14 +134,13 @@ def verify(
         made=made,
         margins=margins,
         scores=scores,
-        on_written=keep_it,
+        on_written=written,
         jobs=jobs,
         kept=KeptPieces(store, fresh),
     )
     copies()
     store.trim()
     if as_json:
-        print_json(report_data(findings, loaded, evidence_of, strengths, made, margins, scores))
         raise typer.Exit(code(findings))
     print_summary(findings, loaded)
     print_cached(findings, quiet=False)

@@ -77,7 +77,7 @@ def write_folder(
     made: Mapping[str, Any] | None = None,
     margins: Mapping[str, Any] = NOT_ASKED,
     scores: Mapping[str, Any] = NOT_ASKED,
-    on_written: Callable[[], None] = lambda: None,
+    on_written: Callable[[Mapping[str, Any]], None] = lambda _: None,
     jobs: int = 1,
     kept: KeptPieces = NOTHING_KEPT,
 ) -> Path:
@@ -89,7 +89,7 @@ def write_folder(
     made        command, limits, seed and commit (safeloc.report.made_by), if a command writes the report
     margins     target's name -> how far its figures may move, where that was found
     scores      target's name -> how many wrong machines a proof notices, where that was measured
-    on_written  called after everything is written, before another run can write here
+    on_written  called with the data of the report after everything is written, before another run can write here
     jobs        processes in which what belongs to single machines is made
     kept        where that is kept from run to run
 
@@ -128,7 +128,7 @@ def write_folder(
             beside = {"certificates": names, "runs": steps, "scripts": list(scripts)}
             page = _write_page(folder, {**everything, **beside}, single=single)
             write_digests(folder, _present(folder))
-            on_written()
+            on_written(everything)
             return page
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error

@@ -43,7 +43,8 @@ def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
     if entry is None:
         return None
     findings = unpack_findings(json.loads(gzip.decompress(entry.data)), one.target.system)
-    return [replace(finding, kept_since=entry.since, kept_as=_digest(entry.data)) for finding in findings]
+    digest = _digest(entry.data)
+    return [replace(finding, kept_since=entry.since, kept_as=digest) for finding in findings]
 
 
 def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> list[Finding]:
@@ -56,7 +57,8 @@ def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> list[F
     plain = pack_findings(findings, one.target.system)
     data = gzip.compress(json.dumps(plain).encode(), _QUICKLY, mtime=0)
     store.put(_KIND, one.key, data)
-    return [replace(finding, kept_as=_digest(data)) for finding in findings]
+    digest = _digest(data)
+    return [replace(finding, kept_as=digest) for finding in findings]
 
 
 def _digest(data: bytes) -> str:
