@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -122,22 +122,7 @@ def verify(
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    strengths, made = strengths_of(store, loaded), _made(plan)
-    margins, scores = margins_of(store, loaded), scores_of(store, loaded)
-    page = write_folder(
-        folder,
-        findings,
-        loaded,
-        evidence=evidence_of,
-        strengths=strengths,
-        single=single,
-        made=made,
-        margins=margins,
-        scores=scores,
-        on_written=written,
-        jobs=jobs,
-        kept=KeptPieces(store, fresh),
-    )
+    page = _report(folder, findings, loaded, plan, store, evidence_of, single, jobs, fresh, written)
     copies()
     store.trim()
     if as_json:
@@ -147,6 +132,35 @@ def verify(
     err.print(f"report: {page}", markup=False)
     _checked(folder, jobs, code(findings), wanted=check)
     raise typer.Exit(code(findings))
+
+
+def _report(
+    folder: Path,
+    findings: Sequence[Finding],
+    loaded: Sequence[Target],
+    plan: Plan,
+    store: Store,
+    evidence: Mapping[str, Any],
+    single: bool,
+    jobs: int,
+    fresh: bool,
+    on_written: Callable[[Mapping[str, Any]], None],
+) -> Path:
+    """Write the report, with what was measured of its machines before; return the path of the page."""
+    return write_folder(
+        folder,
+        findings,
+        loaded,
+        evidence=evidence,
+        strengths=strengths_of(store, loaded),
+        single=single,
+        made=_made(plan),
+        margins=margins_of(store, loaded),
+        scores=scores_of(store, loaded),
+        on_written=on_written,
+        jobs=jobs,
+        kept=KeptPieces(store, fresh),
+    )
 
 
 def _stamps(store: Store) -> Iterator[str]:

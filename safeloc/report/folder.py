@@ -107,31 +107,35 @@ def write_folder(
     names = {file: list(texts) for file, texts in archives.items()}
     small, machines = stored.split_data(everything, names, steps)
     scripts = {one.name: text for one in targets if (text := made_of.get(("script", one.name)))}
+    contents: dict[str, str | bytes] = {
+        stored.DATA: stored.report_text(small),
+        JUNIT: to_junit(findings),
+        SARIF: to_sarif(findings, targets),
+        **{f"{certificates.FOLDER}/{file}": made_of["certificates", file] for file in archives},
+        **{f"{stored.TRACES}/{files[name]}{stored.RUNS}": made_of["runs", name] for name in runs},
+        **{f"{stored.MACHINES}/{file}": content for file, content in machines.items()},
+        **{f"{stored.MACHINES}/{files[name]}{stored.RUNS}": text for name, text in scripts.items()},
+    }
+    data = {**everything, "certificates": names, "runs": steps, "scripts": list(scripts)}
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with locked(folder):
             _clear(folder)
-            for name in (certificates.FOLDER, stored.TRACES, stored.MACHINES):
-                (folder / name).mkdir(exist_ok=True)
-            (folder / stored.DATA).write_text(stored.report_text(small), encoding="utf-8")
-            (folder / JUNIT).write_text(to_junit(findings), encoding="utf-8")
-            (folder / SARIF).write_text(to_sarif(findings, targets), encoding="utf-8")
-            for file in archives:
-                (folder / certificates.FOLDER / file).write_bytes(made_of["certificates", file])
-            for name in runs:
-                file = f"{files[name]}{stored.RUNS}"
-                (folder / stored.TRACES / file).write_text(made_of["runs", name], encoding="utf-8")
-            for file, content in machines.items():
-                (folder / stored.MACHINES / file).write_bytes(content)
-            for name, text in scripts.items():
-                (folder / stored.MACHINES / f"{files[name]}{stored.RUNS}").write_text(text, encoding="utf-8")
-            beside = {"certificates": names, "runs": steps, "scripts": list(scripts)}
-            page = _write_page(folder, {**everything, **beside}, single=single)
+            _write(folder, contents)
+            page = _write_page(folder, data, single=single)
             write_digests(folder, _present(folder))
             on_written(everything)
             return page
     except OSError as error:
         raise InputError(f"{folder}: the report cannot be written here: {error.strerror or error}.") from error
+
+
+def _write(folder: Path, contents: Mapping[str, str | bytes]) -> None:
+    """Write files by their names in the folder."""
+    for name in (certificates.FOLDER, stored.TRACES, stored.MACHINES):
+        (folder / name).mkdir(exist_ok=True)
+    for file, content in contents.items():
+        (folder / file).write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 def _pieces(

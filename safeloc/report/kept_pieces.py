@@ -30,7 +30,7 @@ _QUICKLY = 3
 
 @dataclass(frozen=True)
 class KeptPieces:
-    """Where pieces are looked for and kept: no store, nothing is.
+    """The store in which pieces are looked for and kept; without one, none is.
 
     fresh  they are made anew, and kept
     """

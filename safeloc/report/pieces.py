@@ -15,7 +15,7 @@ Name = TypeVar("Name", bound=Hashable)
 
 @dataclass(frozen=True)
 class Piece:
-    """How a piece is made, and the key under which it is kept; "" for one that is not."""
+    """A piece: the function that makes it, and the key under which it is kept; "" for one that is not."""
 
     make: Callable[[], Any]
     key: str = ""

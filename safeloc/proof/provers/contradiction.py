@@ -1,4 +1,4 @@
-"""Why no run satisfies an assumption: a smallest set of clauses of the world that exclude each other, in words."""
+"""The reason why no run satisfies an assumption: a smallest set of clauses of the world that exclude each other, in words."""
 
 from __future__ import annotations
 
