@@ -116,9 +116,10 @@ def verify(
     findings = _verified(loaded, plan, jobs, store, fresh=fresh, quiet=as_json)
     evidence_of = _evidence(loaded, jobs, store, fresh=fresh, quiet=as_json) if evidence else NOT_ASKED
 
-    def written(data: Mapping[str, Any]) -> None:
-        if as_json:
-            print_json(data)
+    data = dict[str, Any]()
+
+    def written(of_report: Mapping[str, Any]) -> None:
+        data.update(of_report)
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
@@ -126,6 +127,7 @@ def verify(
     copies()
     store.trim()
     if as_json:
+        print_json(data)
         raise typer.Exit(code(findings))
     print_summary(findings, loaded)
     print_cached(findings, quiet=False)

@@ -1,7 +1,7 @@
 """The headline of a page or a terminal: one sentence about all findings, and the number of each verdict.
 
 `all holds` requires that properties were declared and proved. If results only held on recordings or in tests, or if there was
-no property, the headline says so. That of a quick run says so, whatever else was found.
+no property, the headline says so. That of a quick run says that no proof was asked for, whatever else was found.
 """
 
 from __future__ import annotations

@@ -49,9 +49,7 @@ def confirmed(goal: Goal, first: Mapping[str, Value], stream: Iterable[Mapping[s
     except InputError as error:
         raise EngineError(f"{engine}: its stream for {goal.prop.name!r} is not admissible: {error}") from error
     if trace is None:
-        raise EngineError(
-            f"{engine}: its stream for {goal.prop.name!r} does not break the property in the interpreter."
-        )
+        raise _unbroken(engine, goal)
     return trace
 
 
@@ -74,10 +72,12 @@ def confirmed_together(
         raise EngineError(f"{engine}: its stream for {watched.system.name} is not admissible: {error}") from error
     for goal in goals:
         if goal not in ends:
-            raise EngineError(
-                f"{engine}: its stream for {goal.prop.name!r} does not break the property in the interpreter."
-            )
+            raise _unbroken(engine, goal)
     return {goal: Trace(goal.plain, named(state, hidden), tuple(steps[: ends[goal]])) for goal in goals}
+
+
+def _unbroken(engine: str, goal: Goal) -> EngineError:
+    return EngineError(f"{engine}: its stream for {goal.prop.name!r} does not break the property in the interpreter.")
 
 
 def _noted(first: Values, run: Iterable[tuple[Step, Values]], steps: list[Step]) -> Iterator[Values]:
