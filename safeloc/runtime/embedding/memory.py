@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -65,6 +64,7 @@ class _Body(BaseModel):
 
     kind: str
     version: int
+    checksum: str
     machine: str
     config: dict[str, Any]
     program: str
@@ -79,7 +79,8 @@ class _Body(BaseModel):
 
 def restored(program: Program, setting: Setting, data: bytes) -> Content:
     """Read a snapshot; SnapshotError if it does not fit this program and setting."""
-    body = _body(opened(data))
+    opened(data)
+    body = _body(data)
     require_same("machine", program.name, body.machine)
     require_same("configuration", program.config, body.config)
     require_same("build of the machine", program.fingerprint, body.program)
@@ -88,9 +89,9 @@ def restored(program: Program, setting: Setting, data: bytes) -> Content:
     return Content(body.start_ms, body.done, body.deliveries, _state(program, body.state), body.halted, observed)
 
 
-def _body(content: Mapping[str, Any]) -> _Body:
+def _body(data: bytes) -> _Body:
     try:
-        return _Body.model_validate_json(json.dumps(content))
+        return _Body.model_validate_json(data)
     except ValidationError as error:
         found = error.errors(include_url=False, include_input=False, include_context=False)[0]
         where = ".".join(map(str, found["loc"]))

@@ -58,6 +58,15 @@ def read_saved(path: Path) -> dict[str, Any] | None:
         raise SnapshotError(f"{path}: {error}") from error
 
 
+def next_turn(now: float, every_s: float, turn: float) -> float:
+    """Return when a snapshot is due next, later than `now` and within `every_s`.
+
+    turn  which part of each period of the monotonic clock is its own, from 0 up to 1. All processes of a computer have
+          the same clock, so those with different turns never save at the same time.
+    """
+    return now + every_s - (now - turn * every_s) % every_s
+
+
 @contextmanager
 def claimed(path: Path | None) -> Iterator[None]:
     """Lock the snapshot file for this process; InputError if another process has it, or if it is no file."""

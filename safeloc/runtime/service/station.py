@@ -24,7 +24,7 @@ from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.outlets import Outlet
 from safeloc.runtime.service.replies import Allowance
 from safeloc.runtime.service.saved_fields import SavedProcess, checked_fields
-from safeloc.runtime.service.saving import Saver
+from safeloc.runtime.service.saving import Saver, next_turn
 from safeloc.runtime.service.tracing import Tracer
 from safeloc.runtime.service.vehicle import Output
 from safeloc.runtime.service.watchdog import Watchdog
@@ -92,6 +92,9 @@ class Parts:
     """The components of a station; saver, watchdog and tracer are optional.
 
     Without a watchdog, the position of a vehicle that ends no cycle for the longest gap is withdrawn.
+
+    save_turn   its part of a period of `save_every_s`, from 0 up to 1 (`saving.next_turn`): stations that share processors
+                save one after another, so that no line waits for the snapshots of all
     """
 
     feed: Feed
@@ -102,6 +105,7 @@ class Parts:
     save_every_s: float = 1.0
     watchdog: Watchdog | None = None
     tracer: Tracer | None = None
+    save_turn: float = 0.0
 
 
 class Station(Work):
@@ -109,7 +113,7 @@ class Station(Work):
 
     def __init__(self, parts: Parts) -> None:
         self._parts = parts
-        self._saved_at = time.monotonic()
+        self._save_at = self._next_save()
         self._changed = False
         self._marks: deque[tuple[int, int]] = deque()
         self._replays = parts.feed.replays and parts.watchdog is None
@@ -189,7 +193,7 @@ class Station(Work):
         parts = self._parts
         limits = [parts.feed.again_s, self._clock.next_s(time.monotonic())]
         if parts.saver is not None and self._changed:
-            limits.append(max(0.0, self._saved_at + parts.save_every_s - time.monotonic()))
+            limits.append(max(0.0, self._save_at - time.monotonic()))
         if self._marks:
             limits.append(_WRITTEN_S)
         return min((limit for limit in limits if limit is not None), default=None)
@@ -275,12 +279,15 @@ class Station(Work):
             parts.outlet.sync()
             return {"lines": lines, "feed": feed, "outlet": outlet, "vehicles": vehicles()}
 
-        self._changed, self._saved_at = False, time.monotonic()
+        self._changed, self._save_at = False, self._next_save()
         return content
+
+    def _next_save(self) -> float:
+        return next_turn(time.monotonic(), self._parts.save_every_s, self._parts.save_turn)
 
     def _save_in_time(self) -> None:
         saver = self._parts.saver
-        if saver is None or not self._changed or time.monotonic() < self._saved_at + self._parts.save_every_s:
+        if saver is None or not self._changed or time.monotonic() < self._save_at:
             return
         if saver.failed is not None:
             self._parts.journal.error("not saved", why=str(saver.failed))

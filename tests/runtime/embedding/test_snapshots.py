@@ -159,6 +159,23 @@ def test_damage_is_seen(place: int, change: int) -> None:
     assert controller.report.cycle == 0
 
 
+def test_another_text_of_the_same_content() -> None:
+    """As with spaces, or in another order; and with fields below it that look like a checksum."""
+    data = driven(2).snapshot()
+    body = json.loads(data)
+    for text in (json.dumps(body), json.dumps(body, indent=1), json.dumps(dict(reversed(body.items())))):
+        controller = Controller(trusting())
+        assert controller.restore(text.encode()) == Controller(trusting()).restore(data)
+        assert controller.snapshot() == data
+    inner = {"checksum": "0" * 64, "other": 1}
+    for content in ({"a": inner}, {"z": inner}, {"text": json.dumps({"a": 1, **inner}, separators=(",", ":"))}):
+        assert opened(sealed(content, "a", 1), "a", 1) == {**content, "kind": "a", "version": 1}
+        spaced = sealed(content, "a", 1).replace(b'"version":1', b'"version": 1')
+        assert opened(spaced, "a", 1) == {**content, "kind": "a", "version": 1}
+        with pytest.raises(SnapshotError, match="wrong checksum"):
+            opened(sealed(content, "a", 1).replace(b"0" * 64, b"0" * 63 + b"1"), "a", 1)
+
+
 @pytest.mark.parametrize(
     "spoil",
     [lambda state: state.update(mode=99), lambda state: state.pop("mode"), lambda state: state.update(mode=True)],

@@ -10,13 +10,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from safeloc.errors import InputError, SnapshotError
 from safeloc.runtime.embedding.snapshot import sealed
 from safeloc.runtime.service import saving
 from safeloc.runtime.service.address import Address, address
 from safeloc.runtime.service.journal import MOST_A_SECOND, Journal
-from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, read_saved, write_atomically
+from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, next_turn, read_saved, write_atomically
 from safeloc.runtime.service.watchdog import Watchdog
 
 
@@ -259,3 +261,14 @@ def test_time_in_which_nobody_could_be_heard_counts_for_nobody() -> None:
         watchdog.pass_over(now)
     assert list(watchdog.overdue(0.7)) == []
     assert list(watchdog.overdue(0.85)) == ["a"]
+
+
+@given(st.floats(0, 1e9), st.sampled_from([0.01, 0.5, 1.0, 10.0]), st.integers(0, 7))
+def test_snapshots_take_turns(now: float, every_s: float, turn: int) -> None:
+    """Each is due within a period, and a period after it again; each turn is an eighth of a period after the one before."""
+    due = next_turn(now, every_s, turn / 8)
+    slack = 1e-6 + now * 1e-15
+    assert now - slack <= due <= now + every_s + slack
+    assert next_turn(due + slack, every_s, turn / 8) == pytest.approx(due + every_s, abs=3 * slack)
+    after = next_turn(due + slack, every_s, (turn + 1) / 8 % 1)
+    assert after == pytest.approx(due + every_s / 8, abs=3 * slack)

@@ -98,6 +98,12 @@ class Division(Work):
             self._decide_at = now + _DECIDE_S
             self._decide(now)
         self._control.flush()
+        self.gather_s = 0.0 if self._taking(now) else self._broker.gather_s
+
+    def _taking(self, now: float) -> bool:
+        """Return whether partitions wait for answers of the broker: each of some ten would come a rest later."""
+        heard = self._subscribed_at is not None and now >= self._settled_at
+        return not heard or any(one.station is None for one in self.tenures.values())
 
     def patience_s(self) -> float | None:
         """Return the time until the next turn."""

@@ -67,6 +67,11 @@ class PartitionPort(Feed, Outlet):
         self._waiting: deque[tuple[str, bytes, bool]] = deque()
         self._bytes = 0
 
+    @property
+    def save_turn(self) -> float:
+        """Return when in a period its snapshot is made, as a share: partitions follow one another."""
+        return self._partition / self._topics.partitions
+
     # ------------------------------------------------------------------ records
 
     def open(self, selector: selectors.BaseSelector) -> None:

@@ -12,8 +12,8 @@ again without its restart being noticed.
 from __future__ import annotations
 
 import re
-from collections import deque
-from collections.abc import Mapping
+from collections import Counter, deque
+from collections.abc import Mapping, Sequence
 from hashlib import blake2b
 from typing import Annotated
 
@@ -39,11 +39,33 @@ class _Saved(BaseModel):
     recent: dict[str, _Digests] = {}
 
 
+class _Last:
+    """The last messages of one vehicle in their order, and how often each is among them: early ones may be equal."""
+
+    def __init__(self) -> None:
+        self.order: deque[bytes] = deque()
+        self.times: dict[bytes, int] = {}
+
+    def add(self, digest: bytes) -> None:
+        """Remember a message; forget the oldest beyond the most."""
+        self.order.append(digest)
+        self.times[digest] = self.times.get(digest, 0) + 1
+        if len(self.order) > _MOST_MESSAGES:
+            oldest = self.order.popleft()
+            self.times[oldest] -= 1
+            if not self.times[oldest]:
+                del self.times[oldest]
+
+    def restore(self, digests: Sequence[bytes]) -> None:
+        """Remember these, which are not too many, and no others."""
+        self.order, self.times = deque(digests), dict(Counter(digests))
+
+
 class Recent:
     """The last messages of each vehicle, as digests."""
 
     def __init__(self) -> None:
-        self._of: dict[str, deque[bytes]] = {}
+        self._of: dict[str, _Last] = {}
 
     def came_before(self, vehicle: str, payload: bytes, *, again: bool) -> bool:
         """Return whether a message came before; if not, remember it. `again`: the broker says that it sends it again."""
@@ -51,25 +73,25 @@ class Recent:
         known = self._of.get(vehicle)
         if known is None:
             known = self._remembered(vehicle)
-        elif digest in known and (again or _first_number(payload) > _EARLY_LINES):
+        elif digest in known.times and (again or _first_number(payload) > _EARLY_LINES):
             return True
-        known.append(digest)
+        known.add(digest)
         return False
 
     def position(self) -> Mapping[str, str]:
         """Return the memory, for a snapshot."""
-        return {vehicle: b"".join(known).hex() for vehicle, known in self._of.items()}
+        return {vehicle: b"".join(known.order).hex() for vehicle, known in self._of.items()}
 
     def resume(self, position: Mapping[str, object]) -> None:
         """Continue with the memory of a snapshot; SnapshotError if it is none."""
         for vehicle, text in checked_fields(_Saved, position).recent.items():
             data = bytes.fromhex(text)
-            self._remembered(vehicle).extend(data[at : at + _BYTES] for at in range(0, len(data), _BYTES))
+            self._remembered(vehicle).restore([data[at : at + _BYTES] for at in range(0, len(data), _BYTES)])
 
-    def _remembered(self, vehicle: str) -> deque[bytes]:
+    def _remembered(self, vehicle: str) -> _Last:
         if len(self._of) >= _MOST_VEHICLES:
             del self._of[next(iter(self._of))]
-        return self._of.setdefault(vehicle, deque(maxlen=_MOST_MESSAGES))
+        return self._of.setdefault(vehicle, _Last())
 
 
 def _first_number(payload: bytes) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import islice
 
 import pytest
 
@@ -30,6 +31,29 @@ def test_the_first_messages_are_known_only_if_the_broker_says_so() -> None:
     recent = Recent()
     assert not any(recent.came_before("7", one, again=False) for one in [*EARLY, *EARLY])
     assert all(recent.came_before("7", one, again=True) for one in EARLY)
+
+
+def test_a_message_that_came_twice_is_known_until_both_are_forgotten() -> None:
+    """Of two equal first messages among the last ones, the older is forgotten alone; a snapshot keeps both."""
+    recent, later = Recent(), Recent()
+    others = iter([b'{"number": %d}' % number for number in range(5_000, 5_300)])
+
+    def hear(some: int, *memories: Recent) -> None:
+        for one in islice(others, some):
+            assert not any(memory.came_before("7", one, again=True) for memory in memories)
+
+    assert not recent.came_before("7", EARLY[0], again=False)
+    hear(100, recent)
+    assert not recent.came_before("7", EARLY[0], again=False)
+    later.resume({"recent": recent.position()})
+    hear(27, recent, later)  # 128 and one: the first is forgotten
+    assert recent.came_before("7", EARLY[0], again=True)
+    assert later.came_before("7", EARLY[0], again=True)
+    hear(100, recent, later)
+    assert recent.came_before("7", EARLY[0], again=True)
+    hear(1, recent, later)
+    assert not recent.came_before("7", EARLY[0], again=True)
+    assert not later.came_before("7", EARLY[0], again=True)
 
 
 def test_it_goes_on_from_a_snapshot() -> None:
