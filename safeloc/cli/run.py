@@ -175,15 +175,14 @@ def run(
     metrics = None if metrics_at is None else Metrics(metrics_at)
     tracer = _tracer(journal, metrics, log_cycles=log_cycles)
 
-    def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None, save_turn: float = 0.0) -> Parts:
+    def parts_of(feed: Feed, outlet: Outlet, saver: Saver | None) -> Parts:
         watchdog = None if watchdog_ms is None else Watchdog((period + watchdog_ms) / 1_000, period / 1_000)
-        return Parts(feed, outlet, new_fleet(), journal, saver, every_ms / 1_000, watchdog, tracer, save_turn)
+        return Parts(feed, outlet, new_fleet(), journal, saver, every_ms / 1_000, watchdog, tracer)
 
     if broker is not None:
         assert snapshot is not None
         work: Work = Division(
-            broker, snapshot, program.name,
-            lambda port, path: Station(parts_of(port, port, Saver(path), port.save_turn)), journal,
+            broker, snapshot, program.name, lambda port, path: Station(parts_of(port, port, Saver(path))), journal,
             None if wiring is None else VehicleReports(wiring, broker.partitions), None if link is None else link.name,
         )  # fmt: skip
         Loop(work, selector, journal, supervised, metrics, None if link is None else link.sock).run()

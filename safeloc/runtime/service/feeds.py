@@ -63,13 +63,16 @@ class Feed(ABC):
     """A source of lines.
 
     from_start  the first line read is the first line sent
-    replays   the same lines can be read again after a restart
-    repeated  lines that came again and were left out; None where none can
+    replays    the same lines can be read again after a restart
+    repeated   lines that came again and were left out; None where none can
+    save_turn  its part of a period in which a snapshot is due, from 0 up to 1 (`saving.next_turn`): feeds that share processors
+               are saved one after another, so that no line waits for the snapshots of all
     """
 
     from_start = False
     replays = False
     repeated: int | None = None
+    save_turn = 0.0
 
     @abstractmethod
     def open(self, selector: selectors.BaseSelector) -> None:

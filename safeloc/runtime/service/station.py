@@ -92,9 +92,6 @@ class Parts:
     """The components of a station; saver, watchdog and tracer are optional.
 
     Without a watchdog, the position of a vehicle that ends no cycle for the longest gap is withdrawn.
-
-    save_turn   its part of a period of `save_every_s`, from 0 up to 1 (`saving.next_turn`): stations that share processors
-                save one after another, so that no line waits for the snapshots of all
     """
 
     feed: Feed
@@ -105,7 +102,6 @@ class Parts:
     save_every_s: float = 1.0
     watchdog: Watchdog | None = None
     tracer: Tracer | None = None
-    save_turn: float = 0.0
 
 
 class Station(Work):
@@ -283,7 +279,7 @@ class Station(Work):
         return content
 
     def _next_save(self) -> float:
-        return next_turn(time.monotonic(), self._parts.save_every_s, self._parts.save_turn)
+        return next_turn(time.monotonic(), self._parts.save_every_s, self._parts.feed.save_turn)
 
     def _save_in_time(self) -> None:
         saver = self._parts.saver

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import selectors
 import threading
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,9 +19,15 @@ from safeloc.errors import InputError, SnapshotError
 from safeloc.runtime.embedding.snapshot import sealed
 from safeloc.runtime.service import saving
 from safeloc.runtime.service.address import Address, address
+from safeloc.runtime.service.feeds import Arrived, Feed
+from safeloc.runtime.service.fleet import Fleet, FleetSettings
 from safeloc.runtime.service.journal import MOST_A_SECOND, Journal
+from safeloc.runtime.service.lines import Line
+from safeloc.runtime.service.outlets import Stdout
 from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, next_turn, read_saved, write_atomically
+from safeloc.runtime.service.station import Parts, Station
 from safeloc.runtime.service.watchdog import Watchdog
+from tests.runtime.embedding.driving import trusting
 
 
 def content(number: int) -> Mapping[str, Any]:
@@ -272,3 +280,32 @@ def test_snapshots_take_turns(now: float, every_s: float, turn: int) -> None:
     assert next_turn(due + slack, every_s, turn / 8) == pytest.approx(due + every_s, abs=3 * slack)
     after = next_turn(due + slack, every_s, (turn + 1) / 8 % 1)
     assert after == pytest.approx(due + every_s / 8, abs=3 * slack)
+
+
+class Quiet(Feed):
+    """Nothing comes of itself."""
+
+    def open(self, selector: selectors.BaseSelector) -> None:
+        """Nothing is to be opened."""
+
+    def hold(self, held: bool) -> None:
+        """Nobody has to wait."""
+
+    def close(self) -> None:
+        """Nothing is to be closed."""
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_a_station_saves_in_the_turn_of_its_feed(tmp_path: Path, turn: float) -> None:
+    """After a line it waits until then; periods are long, so that a busy machine changes nothing."""
+    feed, selector, period_s = Quiet(), selectors.PollSelector(), 1_000.0
+    feed.save_turn = turn
+    fleet, journal = Fleet(trusting(), FleetSettings(100)), Journal(os.open(os.devnull, os.O_WRONLY))
+    station = Station(Parts(feed, Stdout(selector), fleet, journal, Saver(tmp_path / "kept"), period_s))
+    assert station.patience_s() is None
+    station.take(iter([Arrived("", Line(1, b"no line at all", ""), "")]))
+    left_s = station.patience_s()
+    assert left_s is not None
+    assert 0.0 < left_s <= period_s
+    early_s = (turn * period_s - (time.monotonic() + left_s)) % period_s
+    assert min(early_s, period_s - early_s) < 60.0

@@ -57,6 +57,7 @@ class PartitionPort(Feed, Outlet):
     ) -> None:  # fmt: skip
         self._codes, self._beside = codes, beside
         self.running = False
+        self.save_turn = partition / topics.partitions
         self._connection, self._topics, self._partition, self._journal = connection, topics, partition, journal
         self._recent = Recent()
         self.repeated = 0
@@ -66,11 +67,6 @@ class PartitionPort(Feed, Outlet):
         self._count = self._kept = self._acknowledged = 0
         self._waiting: deque[tuple[str, bytes, bool]] = deque()
         self._bytes = 0
-
-    @property
-    def save_turn(self) -> float:
-        """Return when in a period its snapshot is made, as a share: partitions follow one another."""
-        return self._partition / self._topics.partitions
 
     # ------------------------------------------------------------------ records
 

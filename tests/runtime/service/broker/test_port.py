@@ -58,6 +58,12 @@ def port(connection: Connection, **more: Any) -> PartitionPort:
     return made
 
 
+def test_partitions_save_one_after_another() -> None:
+    """Each has its own part of a period."""
+    made = [PartitionPort(Connection([]), TOPICS, one, Journal(0)) for one in range(TOPICS.partitions)]  # type: ignore[arg-type]
+    assert [one.save_turn for one in made] == [one / TOPICS.partitions for one in range(TOPICS.partitions)]
+
+
 def test_messages_beside_the_records() -> None:
     """They come in their order, also retained, and need no acknowledgement; records are as before."""
     record = Came(f"areas/records/{OWN}/west", b"{}\n", 7, retained=False, again=False)
