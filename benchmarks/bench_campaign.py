@@ -1,7 +1,8 @@
 """Campaigns: vehicle-cycles a second of one core, and where the time goes; what workers add.
 
 python -m benchmarks.bench_campaign            shares of simulation, machine and counting, for three machines
-python -m benchmarks.bench_campaign workers    one process against 1, 2 and 8 local workers, on the clock
+python -m benchmarks.bench_campaign workers [SHARDS]    one process against 1, 2 and 8 local workers, on the clock; 120 shards
+                                                       unless told
 
 Times of the first table are processor time of this process, the best of three shards; the ratio to the machine's own step in C says what the
 rest costs.
@@ -101,10 +102,10 @@ def shares() -> None:
     print(f"\ngreatest memory of this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
 
 
-def workers() -> None:
+def workers(shards: int) -> None:
     """Print the time on the clock, the start of the workers included, of one process and of some workers."""
-    campaign = declared("odometry", 120)
-    print("| where | seconds | as a share of one process |\n|---|---|---|")
+    campaign = declared("odometry", shards)
+    print("| where | seconds | as a share of one process |\n|---|---|---|", flush=True)
     base = 0.0
     for name, where in (
         ("one process, without Dask", Where(in_process=True)),
@@ -119,4 +120,4 @@ def workers() -> None:
 
 
 if __name__ == "__main__":
-    workers() if "workers" in sys.argv[1:] else shares()
+    workers(int(sys.argv[2]) if sys.argv[2:] else 120) if sys.argv[1:2] == ["workers"] else shares()

@@ -41,7 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--out", type=Path, required=True)
     asked = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as place:
-        _measure(Checkout(Path(place, "checkout")), asked)
+        checkout = Checkout(Path(place, "checkout"))
+        checkout.compile()
+        _measure(checkout, asked)
     print(*medians([line for line in kept_lines(asked.out) if line["number"] < asked.edits]), sep="\n")
 
 

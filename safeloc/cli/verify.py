@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,6 +12,7 @@ import typer
 
 from safeloc.assurance.evidence.fault_work import SECONDS_A_CLAIM, Breaking, planned
 from safeloc.assurance.margins.kept_margins import MARGINS
+from safeloc.assurance.margins.read_modules import readings_kept_in
 from safeloc.assurance.margins.shipped_margins import margins_of
 from safeloc.assurance.mutation.kept_score import SCORES
 from safeloc.assurance.mutation.shipped_scores import scores_of, strengths_of
@@ -149,20 +151,21 @@ def _report(
     on_written: Callable[[Mapping[str, Any]], None],
 ) -> Path:
     """Write the report, with what was measured of its machines before; return the path of the page."""
-    return write_folder(
-        folder,
-        findings,
-        loaded,
-        evidence=evidence,
-        strengths=strengths_of(store, loaded),
-        single=single,
-        made=_made(plan),
-        margins=margins_of(store, loaded),
-        scores=scores_of(store, loaded),
-        on_written=on_written,
-        jobs=jobs,
-        kept=KeptPieces(store, fresh),
-    )
+    with nullcontext() if fresh else readings_kept_in(store):
+        return write_folder(
+            folder,
+            findings,
+            loaded,
+            evidence=evidence,
+            strengths=strengths_of(store, loaded),
+            single=single,
+            made=_made(plan),
+            margins=margins_of(store, loaded),
+            scores=scores_of(store, loaded),
+            on_written=on_written,
+            jobs=jobs,
+            kept=KeptPieces(store, fresh),
+        )
 
 
 def _stamps(store: Store) -> Iterator[str]:

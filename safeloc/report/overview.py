@@ -20,15 +20,19 @@ _Data = Mapping[str, Any]
 _Row = list[Any]
 
 
-def results_script(data: _Data, links: Links, made: str) -> str:
-    """Return the script; `made` is the digest of the page that asks for it."""
+def results_text(data: _Data, links: Links) -> str:
+    """Return the data as JSON: the words, and the rows that name them."""
     words = dict[str, int]()
     rows = [
         [*(words.setdefault(word, len(words)) for word in row[:8]), *row[8:]]
         for row in (*_results(data, links), *_requirements(data), *_laws(data, links), *_transitions(data, links))
     ]
-    text = json.dumps({"made": made, "words": list(words), "rows": rows}, separators=(",", ":"))
-    return script(_FUNCTION, "all", data=text.encode())
+    return json.dumps({"words": list(words), "rows": rows}, separators=(",", ":"))
+
+
+def results_script(text: str, made: str) -> str:
+    """Return the script with these data (`results_text`); `made` is the digest of the page that asks for it."""
+    return script(_FUNCTION, "all", data=f'{{"made":{json.dumps(made)},{text[1:]}'.encode())
 
 
 def _row(

@@ -11,7 +11,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -30,7 +30,7 @@ from safeloc.report.held_in import recordings, statements
 from safeloc.report.links import REPORT, Links, anchor, is_in_a_file, linked
 from safeloc.report.margins import first_page_row, margins_shown, of_another_version
 from safeloc.report.mutation_words import score_words
-from safeloc.report.overview import RESULTS, results_script
+from safeloc.report.overview import RESULTS, results_script, results_text
 from safeloc.report.run_page import OVERVIEW, RUN_PAGE, RUNS, asset, island, known_runs, scripts, views
 from safeloc.report.traces import trace_charts, trace_rows
 from safeloc.report.verdict_words import requirement_lines, told_of
@@ -40,7 +40,7 @@ _HERE = Path(__file__).parent
 PARTS = "page"
 """The folder beside the page with its parts."""
 MOST_OF_ONE_PAGE = 1_000_000
-"""Most characters of a page without parts: such a page opens within a second."""
+"""Most characters of the parts in a page that has them in it: such a page opens within a second."""
 _NO_PARTS: Mapping[str, str] = MappingProxyType({})
 _BARE: Mapping[str, Any] = MappingProxyType({"made": "", "run_at": "", "overview": "", "run": "", "script": ""})
 """What a page without search, parts and runs has besides the report."""
@@ -79,13 +79,22 @@ def to_pages(data: _Data, *, single: bool = False, runs: Sequence[str] = ()) -> 
     runs  the scripts with runs and machines; a single page has them in it
     """
     rendering = _Rendering(data)
-    bare = rendering.page()
-    made = hashlib.sha256(bare.encode()).hexdigest()[:16]
+    contents = rendering.contents()
+    made = _digest(json.dumps(data["made"]), rendering.results, *contents.values())
     if single:
         return Pages(rendering.with_everything(made, runs), "", {})
-    beside = {RESULTS: results_script(data, rendering.links, made), **dict(views(data, made))}
-    page, parts = rendering.in_parts(made) if len(bare) > MOST_OF_ONE_PAGE else (rendering.whole(made), {})
+    beside = {RESULTS: results_script(rendering.results, made), **dict(views(data, made))}
+    large = sum(map(len, contents.values())) > MOST_OF_ONE_PAGE
+    page, parts = rendering.in_parts(made, contents) if large else (rendering.whole(made), {})
     return Pages(page, rendering.run_page(made), {**parts, **beside})
+
+
+def _digest(*texts: str) -> str:
+    """Return that of a report, by which the page knows that a script beside it belongs to it: of how it was made and all it says."""
+    total = hashlib.sha256()
+    for text in texts:
+        total.update(hashlib.sha256(text.encode()).digest())
+    return total.hexdigest()[:16]
 
 
 def to_html(data: _Data) -> str:
@@ -137,7 +146,7 @@ class _Rendering:
 
     def with_everything(self, made: str, runs: Sequence[str]) -> str:
         """Return the page with search, the view of runs, and all their data in it."""
-        texts = [results_script(self._data, self.links, made), *runs, *dict(views(self._data, made)).values()]
+        texts = [results_script(self.results, made), *runs, *dict(views(self._data, made)).values()]
         script = scripts(OVERVIEW, *([RUNS] if runs else []), calls=texts)
         known = island(known_runs(self._data, made, report="")) if runs else ""
         return self.page(overview=self._overview(made, run=""), run=known, script=script)
@@ -163,29 +172,54 @@ class _Rendering:
             }
         )
 
-    def in_parts(self, made: str) -> tuple[str, dict[str, str]]:
-        """Return the page that loads its parts, and the parts by file name; all contain the digest of the complete page."""
-        files = file_names(["beside", "results", "trace back", "conditions", *(one["name"] for one in self._machines)])
-        beside = {one["name"]: f"{PARTS}/{files[one['name']]}.js" for one in self._machines}
-        conditions_at = f"{PARTS}/{files['conditions']}.js"
-        known = {"requirements": self._requirements, "run_at": RUN_PAGE, "conditions_at": conditions_at}
-        html = {files[one["name"]]: self._filled("machine", m=one, **known) for one in self._machines}
-        html[files["trace back"]] = self._filled("items", data=self._data, requirements=self._requirements)
-        html[files["conditions"]] = self._filled(
-            "conditions", conditions=self._conditions, law_parts=beside, claim_rows=self._claim_rows()
-        )
+    @cached_property
+    def results(self) -> str:
+        """Return the data for the search."""
+        return results_text(self._data, self.links)
+
+    @cached_property
+    def _files(self) -> dict[str, str]:
+        """Return the name of the file of each part, without ending."""
+        return file_names(["beside", "results", "trace back", "conditions", *(one["name"] for one in self._machines)])
+
+    @cached_property
+    def _beside(self) -> dict[str, str]:
+        """Return the part of each machine."""
+        return {one["name"]: f"{PARTS}/{self._files[one['name']]}.js" for one in self._machines}
+
+    @property
+    def _conditions_at(self) -> str:
+        return f"{PARTS}/{self._files['conditions']}.js"
+
+    def contents(self) -> dict[str, str]:
+        """Return the content of each part, by the name of its file without ending."""
+        files, known = self._files, {"run_at": RUN_PAGE, "conditions_at": self._conditions_at}
+        requirements = self._requirements
+        return {
+            **{
+                files[one["name"]]: self._filled("machine", m=one, requirements=requirements, **known)
+                for one in self._machines
+            },
+            files["trace back"]: self._filled("items", data=self._data, requirements=requirements),
+            files["conditions"]: self._filled(
+                "conditions", conditions=self._conditions, law_parts=self._beside, claim_rows=self._claim_rows()
+            ),
+        }
+
+    def in_parts(self, made: str, contents: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+        """Return the page that loads its parts, and the parts by file name; all contain the digest of the report."""
         parts = {
             f"{file}.js": script("safelocPart", f"{PARTS}/{file}.js", made, data=text.encode())
-            for file, text in html.items()
+            for file, text in contents.items()
         }
-        parts[f"{files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
+        parts[f"{self._files['beside']}.js"] = f"safelocBeside({json.dumps(made)});\n"
         page = self.page(
-            machines=[{**one, "beside": beside[one["name"]]} for one in self._machines],
-            items_beside=f"{PARTS}/{files['trace back']}.js",
-            conditions_beside=conditions_at,
+            machines=[{**one, "beside": self._beside[one["name"]]} for one in self._machines],
+            items_beside=f"{PARTS}/{self._files['trace back']}.js",
+            conditions_beside=self._conditions_at,
             made=made,
             run_at=RUN_PAGE,
-            overview=self._overview(made, parts=beside, conditions_at=conditions_at),
+            overview=self._overview(made, parts=self._beside, conditions_at=self._conditions_at),
             script=Markup(f"{asset('page.js')}{scripts(OVERVIEW)}"),
         )
         return page, parts
@@ -193,7 +227,8 @@ class _Rendering:
     def _said(self) -> str:
         """Return what the page says: its own words, and those of results and laws."""
         own = [asset(f"{name}.html.jinja") for name in ("page", "machine", "conditions")]
-        results = [f"{row['statement']} {row['method']} {row['assumption']}" for row in self._data["results"]]
+        rows = self._data["results"]
+        results = dict.fromkeys(row[field] for row in rows for field in ("statement", "method", "assumption"))
         return " ".join([*own, *results, *(law["statement"] for law in self._conditions["laws"])])
 
     def _claim_rows(self) -> dict[str, str]:

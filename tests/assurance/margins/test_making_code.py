@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.assurance.margins import making_code
-from safeloc.assurance.margins.making_code import making_code_digest, making_modules, without_words
+from safeloc.assurance.margins import making_code, read_modules
+from safeloc.assurance.margins.making_code import making_code_digest, making_modules
+from safeloc.assurance.margins.read_modules import ReadModule, read_module, readings_kept_in, without_words
 from safeloc.catalogue import ENTRIES
 from safeloc.proof.cache.engine import PACKAGE
+from safeloc.proof.cache.store import Store
 
 FOLDERS = sorted({entry.folder for entry in ENTRIES.values()})
 NO_TERMS = {"simulate", "simulation", "picture", "pictures", "line_runs", "coupled_runs"}
@@ -32,6 +34,26 @@ def test_it_follows_imports_into_declarations_alone() -> None:
 def test_words_for_readers_are_left_out() -> None:
     text = '"""Words."""\nA = 1  # why\n"""What A is."""\n\n\ndef f() -> str:\n    """Return it."""\n    return "#1"\n'
     assert without_words(text) == 'A = 1\ndef f() -> str:\n    return "#1"'
+
+
+def test_what_was_read_of_a_module_is_kept_under_its_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another process parses no text again that is in the store, and what it does not need is forgotten."""
+    one, other = "import os\nA = 1  # why\n", "from safeloc.models import odometry\n"
+
+    def process(*texts: str) -> tuple[list[ReadModule], int]:
+        parsed = list[str]()
+        monkeypatch.setattr(read_modules, "_read", {})
+        monkeypatch.setattr(read_modules, "_taken", {})
+        monkeypatch.setattr(read_modules, "without_words", lambda text: parsed.append(text) or without_words(text))
+        with readings_kept_in(Store(tmp_path)):
+            return [read_module(text) for text in texts], len(parsed)
+
+    expected = [ReadModule(read_module(text).code, read_module(text).imports) for text in (one, other)]
+    assert expected[1].imports == ("safeloc", "safeloc.models", "safeloc.models.odometry")
+    assert process(one, other) == (expected, 2)
+    assert process(other, one, other) == ([expected[1], *expected], 0)
+    assert process(one.replace("why", "that is why"))[1] == 1
+    assert process(one)[1] == 1  # the process before had no need of it
 
 
 @pytest.fixture(name="copied")
@@ -60,7 +82,7 @@ def test_an_edit_of_code_gives_another_digest_and_one_of_words_does_not(
 ) -> None:
     def digest() -> str:
         making_code_digest.cache_clear()
-        making_code._imported.cache_clear()
+        making_code._read.cache_clear()
         return making_code_digest("transmission")
 
     before, path = digest(), copied / module
