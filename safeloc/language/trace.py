@@ -30,6 +30,11 @@ class Trace:
     initial: Mapping[str, Value]
     steps: tuple[Step, ...]
 
+    @property
+    def length(self) -> int:
+        """The number of steps."""
+        return len(self.steps)
+
     def stream(self) -> list[dict[str, Value]]:
         """Return the inputs of every step, without absent optional inputs, as `interpret.run` takes them."""
         return [present_inputs(self.system, step.inputs) for step in self.steps]

@@ -213,10 +213,10 @@ def _left(finding: Finding) -> dict[str, str]:
     trace = finding.result.witness if isinstance(finding.result, Proved) else None
     if trace is not None and trace.system.composition:
         alone = f"{trace.system.machines[0].name} by itself"
-        return {"witness": f"a run of {len(trace.steps)} steps of {alone}, in the folder of traces only"}
-    if trace is None or len(trace.steps) * len(trace.initial) <= MOST_CELLS:
+        return {"witness": f"a run of {trace.length} steps of {alone}, in the folder of traces only"}
+    if trace is None or trace.length * len(trace.initial) <= MOST_CELLS:
         return {}
-    return {"witness": f"a run of {len(trace.steps)} steps, in the folder of traces only"}
+    return {"witness": f"a run of {trace.length} steps, in the folder of traces only"}
 
 
 def _depth(finding: Finding) -> int:
@@ -224,7 +224,7 @@ def _depth(finding: Finding) -> int:
         case Proved(depth=depth) | Unknown(depth=depth):
             return depth
         case Violated(trace=trace) | Vacuous(trace=trace):
-            return 0 if trace is None else len(trace.steps)
+            return 0 if trace is None else trace.length
         case Held(steps=steps):
             return steps
         case NotAsked():

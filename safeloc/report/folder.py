@@ -38,6 +38,7 @@ from safeloc.report.pieces import Piece, made_pieces
 from safeloc.report.run_page import RUN_PAGE, machine_script
 from safeloc.report.sarif import to_sarif
 from safeloc.runtime.locked_folder import locked
+from safeloc.runtime.packed import packed
 from safeloc.runtime.streams.columns import Shown, runs_file
 
 PAGE, JUNIT, SARIF = "index.html", "junit.xml", "results.sarif"
@@ -103,9 +104,10 @@ def write_folder(
     of_targets = {one.name: OfTarget(**made_of["target", one.name]) for one in targets}
     pictures = {one.name: made_of["pictures", one.name] for one in targets}
     everything = report_data(findings, targets, evidence, strengths, made, margins, scores, of_targets, pictures)
-    steps = {result: len(one.trace.steps) for own in runs.values() for one in own for result in one.results}
+    steps = {result: one.trace.length for own in runs.values() for one in own for result in one.results}
     names = {file: list(texts) for file, texts in archives.items()}
-    small, machines = stored.split_data(everything, names, steps)
+    small, machine_texts = stored.split_data(everything, names, steps)
+    machines = made_pieces(dict(_packs(machine_texts)), jobs, kept)
     scripts = {one.name: text for one in targets if (text := made_of.get(("script", one.name)))}
     contents: dict[str, str | bytes] = {
         stored.DATA: stored.report_text(small),
@@ -159,6 +161,12 @@ def _pieces(
         yield ("runs", name), Piece(partial(runs_file, runs[name], files[name]))
     for file, texts in archives.items():
         yield ("certificates", file), Piece(partial(certificates.packed_texts, texts), of_texts_key(texts))
+
+
+def _packs(texts: Mapping[str, str]) -> Iterator[tuple[str, Piece]]:
+    """Yield the packed file of each machine, by its name."""
+    for file, text in texts.items():
+        yield file, Piece(partial(packed, text.encode()), of_texts_key({file: text}))
 
 
 def _plain(target: Target) -> dict[str, Any]:

@@ -101,4 +101,4 @@ def _broken(finding: Finding, replayed: Replayed) -> Broken | None:
         return None
     trace = finding.result.trace
     name = finding.id.removeprefix(f"{finding.machine}/replay/{replayed.name}: ")
-    return Broken(name, len(replayed.trace.steps) if trace is None else len(trace.steps))
+    return Broken(name, replayed.trace.length if trace is None else trace.length)

@@ -72,4 +72,4 @@ def _broken_at(finding: Finding, replayed: Replayed) -> int | None:
     if not isinstance(finding.result, Violated):
         return None
     trace = finding.result.trace
-    return len(replayed.trace.steps) if trace is None else len(trace.steps)
+    return replayed.trace.length if trace is None else trace.length

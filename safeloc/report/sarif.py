@@ -68,7 +68,7 @@ def _message(finding: Finding) -> str:
     said = f"{word(result)}: {finding.id}: {finding.statement or finding.method}"
     reason = result.reason if isinstance(result, (Violated, Unknown, Vacuous, NotAsked)) else ""
     trace = result.trace if isinstance(result, (Violated, Vacuous)) else None
-    run = "" if trace is None else f"traces/ of the report holds its run of {len(trace.steps)} steps"
+    run = "" if trace is None else f"traces/ of the report holds its run of {trace.length} steps"
     return "; ".join(part for part in (said, reason, run) if part)
 
 

@@ -19,7 +19,7 @@ from safeloc.errors import InputError, SafelocError
 from safeloc.report.data import SCHEMA
 from safeloc.report.file_names import file_names
 from safeloc.runtime.outside import shortened
-from safeloc.runtime.packed import packed, read_packed
+from safeloc.runtime.packed import read_packed
 from safeloc.runtime.streams.columns import Runs, read_runs
 
 DATA = "report.json"
@@ -39,8 +39,8 @@ _Said = str | list[str]
 
 def split_data(
     data: Data, certificates: Mapping[str, Sequence[str]], runs: Mapping[str, int]
-) -> tuple[Data, dict[str, bytes]]:
-    """Return the content of report.json, and the files of machines by name.
+) -> tuple[Data, dict[str, str]]:
+    """Return the content of report.json, and that of the files of machines by name, before it is packed.
 
     certificates  file -> names of the texts in it
     runs          id of a result -> number of steps of its run in the folder of traces
@@ -66,7 +66,7 @@ def split_data(
         "requirements": [{**one, "results": [places[name] for name in one["results"]]} for one in data["requirements"]],
         "certificates": {file: list(names) for file, names in certificates.items()},
     }
-    bulky = {files[one["name"]]: packed(_text({key: one[key] for key in _BULKY})) for one in data["machines"]}
+    bulky = {files[one["name"]]: _text({key: one[key] for key in _BULKY}) for one in data["machines"]}
     return small, bulky
 
 
@@ -81,8 +81,8 @@ def _once(said: dict[str, int], words: _Said, number: int) -> _Said | int:
     return words if first == number else first
 
 
-def _text(data: Any) -> bytes:
-    return json.dumps(data, separators=(",", ":")).encode()
+def _text(data: Any) -> str:
+    return json.dumps(data, separators=(",", ":"))
 
 
 def report_text(small: Data) -> str:

@@ -89,9 +89,7 @@ class _Fall:
     @cached_property
     def times_ms(self) -> list[float]:
         """The time of each step of the run."""
-        return [
-            float(self.loud.first_ms + number * self.loud.step_ms) for number in range(len(self.recorded.trace.steps))
-        ]
+        return [float(self.loud.first_ms + number * self.loud.step_ms) for number in range(self.recorded.trace.length)]
 
     @property
     def time(self) -> Axis:
@@ -203,7 +201,7 @@ def waterfall_table(one: Waterfall, recorded: RecordedRun) -> dict[str, list[str
     many = len(loud.trains) > 1
     trains = [f"train {number} in m" if many else "train in m" for number in range(1, len(loud.trains) + 1)]
     head_ = ["time in s", *trains, *(f"{one.name} in m" for one in one.intervals), *one.modes]
-    steps = range(0, len(recorded.trace.steps), -(-len(recorded.trace.steps) // _MOST_ROWS))
+    steps = range(0, recorded.trace.length, -(-recorded.trace.length // _MOST_ROWS))
     return {
         "head": [*head_, *(section.name for section in one.sections)],
         "rows": [_cells(fall, step) for step in steps],

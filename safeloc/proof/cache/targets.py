@@ -16,7 +16,7 @@ from safeloc.proof.cache.contents import target_digest
 from safeloc.proof.cache.engine import engine_digest, undisturbed
 from safeloc.proof.cache.store import Store
 from safeloc.proof.results import Finding
-from safeloc.proof.verification.plain import pack_findings, unpack_findings
+from safeloc.proof.verification.plain import Plain, pack_findings, unpack_findings
 from safeloc.target import Target
 
 _KIND = "findings"
@@ -47,14 +47,16 @@ def found_before(store: Store | None, one: Asked) -> list[Finding] | None:
     return [replace(finding, kept_since=entry.since, kept_as=digest) for finding in findings]
 
 
-def keep(store: Store | None, one: Asked, findings: Sequence[Finding]) -> list[Finding]:
+def keep(store: Store | None, one: Asked, findings: Sequence[Finding], packed: Plain | None = None) -> list[Finding]:
     """Cache the findings, if all are decided and no file of the package was written since the process started.
+
+    packed  the findings as `pack_findings` gave them, if that was done before
 
     Return them, each with what it is in the cache as, if they are.
     """
     if store is None or any(isinstance(finding.result, Unknown) for finding in findings) or not undisturbed():
         return list(findings)
-    plain = pack_findings(findings, one.target.system)
+    plain = pack_findings(findings, one.target.system) if packed is None else packed
     data = gzip.compress(json.dumps(plain).encode(), _QUICKLY, mtime=0)
     store.put(_KIND, one.key, data)
     digest = _digest(data)

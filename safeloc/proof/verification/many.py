@@ -136,7 +136,7 @@ def verify_targets(
             for target, packed, seconds in _conducted(left, plan, jobs, slots, on_event):
                 found[target.name] = unpack_findings(packed, target.system)
                 if target in questions:
-                    found[target.name] = keep(keep_in, questions[target], found[target.name])
+                    found[target.name] = keep(keep_in, questions[target], found[target.name], packed)
                 on_event(Over(target.name, seconds))
     finally:
         slots.close()

@@ -1,13 +1,14 @@
 """Findings as plain data (what JSON can hold), to be sent between processes and kept in files.
 
 Runs are stored with states and outputs, so that nothing has to be run again. Steps that several runs share, such as those of a
-recording on which many witnesses lie, are stored once, as a course. So is each certificate: most proofs of a machine rest on the
-same ones, which would take fifty times the space otherwise. The invariant of a proof is left out: the certificates hold it.
+recording on which many witnesses lie, are stored once, as a course (safeloc.proof.verification.courses). So is each
+certificate: most proofs of a machine rest on the same ones, which would take fifty times the space otherwise. The invariant of a
+proof is left out: the certificates hold it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeAlias
 
@@ -15,13 +16,13 @@ from safeloc.language.system import TransitionSystem, without_ghosts
 from safeloc.language.trace import Step, Trace
 from safeloc.language.verdict import Held, NotAsked, Proved, Result, Unknown, Vacuous, Violated
 from safeloc.proof.results import Finding, Replayed
+from safeloc.proof.verification.courses import Course, KeptCourse, KeptTrace
 
 Plain: TypeAlias = dict[str, Any]
 _RESULTS: Mapping[str, type[Result]] = {
     kind.__name__: kind for kind in (Proved, Violated, Unknown, Vacuous, NotAsked, Held)
 }
 _TRACES = ("witness", "trace", "escape")
-_MAPPINGS = ("inputs", "fired", "state", "outputs")
 _OWN = ("result", "replayed")
 
 
@@ -29,9 +30,8 @@ def pack_findings(findings: Sequence[Finding], system: TransitionSystem) -> Plai
     """Return findings about one system as plain data; ValueError for a run of another system."""
     packing = _Packing(system)
     rows = [packing.finding(one) for one in findings]
-    courses = [one.rows for one in packing.courses]
     return {
-        "courses": courses,
+        "courses": [one.text for one in packing.courses],
         "traces": packing.traces,
         "replays": packing.replays,
         "certificates": packing.certificates,
@@ -43,41 +43,20 @@ def unpack_findings(packed: Plain, system: TransitionSystem) -> list[Finding]:
     """Rebuild the findings; KeyError, TypeError or ValueError for data that `pack_findings` did not make."""
     systems = {"whole": system, "board": without_ghosts(system)}
     systems |= {f"part {part.name}": part.alone for part in system.parts}
-    courses = [tuple(_unpacked_steps(rows)) for rows in packed["courses"]]
+    courses = [KeptCourse(text) for text in packed["courses"]]
     traces = [
-        Trace(systems[one["system"]], one["initial"], courses[one["course"]][: one["steps"]])
+        KeptTrace(systems[one["system"]], one["initial"], courses[one["course"]], one["steps"])
         for one in packed["traces"]
     ]
     replays = [Replayed(one["name"], traces[one["trace"]], tuple(one["truth_mm"])) for one in packed["replays"]]
     return [_unpacked(row, traces, replays, packed["certificates"]) for row in packed["findings"]]
 
 
-class _Course:
-    """Steps of runs of which each begins the longest one, and these steps as rows, the names of their values first."""
-
-    def __init__(self, steps: Sequence[Step]) -> None:
-        self._names = [list(getattr(steps[0], each)) for each in _MAPPINGS] if steps else []
-        self._steps: list[Step] = []
-        self.rows: list[Any] = [self._names]
-        self.extend(steps)
-
-    def shares(self, steps: Sequence[Step]) -> bool:
-        """Return whether these steps are the same objects as those of the course, as far as both go."""
-        return all(mine is other for mine, other in zip(self._steps, steps, strict=False))
-
-    def extend(self, steps: Sequence[Step]) -> None:
-        """Add those of the steps that the course lacks."""
-        for step in steps[len(self._steps) :]:
-            self._steps.append(step)
-            columns = zip(_MAPPINGS, self._names, strict=True)
-            self.rows.append([[getattr(step, each)[name] for name in names] for each, names in columns])
-
-
 class _Packing:
     """The runs and replays packed so far, each with its index in the data, and the certificates by the names of their files."""
 
     def __init__(self, system: TransitionSystem) -> None:
-        self.courses: list[_Course] = []
+        self.courses: list[Course] = []
         self._begun: dict[int, int] = {}  # id of a first step -> the number of its course, which holds the step
         self.traces: list[Plain] = []
         self.replays: list[Plain] = []
@@ -140,7 +119,7 @@ class _Packing:
         if begun is not None and self.courses[begun].shares(steps):
             self.courses[begun].extend(steps)
             return begun
-        self.courses.append(_Course(steps))
+        self.courses.append(Course(steps))
         if steps:
             self._begun[id(steps[0])] = len(self.courses) - 1
         return len(self.courses) - 1
@@ -150,12 +129,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return dict(value)
     return list(value) if isinstance(value, tuple) else value
-
-
-def _unpacked_steps(rows: Sequence[Any]) -> Iterator[Step]:
-    names, *steps = rows
-    for row in steps:
-        yield Step(*(dict(zip(columns, values, strict=True)) for columns, values in zip(names, row, strict=True)))
 
 
 def _unpacked(

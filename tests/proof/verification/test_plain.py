@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 
 import pytest
 
@@ -11,6 +12,7 @@ from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved
 from safeloc.proof.drawn_runs.quick import quick_run
 from safeloc.proof.results import Finding
+from safeloc.proof.verification import courses
 from safeloc.proof.verification.plain import Plain, pack_findings, unpack_findings
 from safeloc.runtime.streams.steps import read_steps
 
@@ -48,7 +50,7 @@ def test_runs_that_begin_alike_are_stored_once(whole: Trace, lengths: tuple[int,
     """In whatever order they come, also one without a step."""
     runs = [part(whole, 0, length) for length in lengths]
     packed, back = sent(runs)
-    assert [len(rows) - 1 for rows in packed["courses"] if len(rows) > 1] == [max(lengths)]
+    assert [text.count("\n") for text in packed["courses"] if "\n" in text] == [max(lengths)]
     assert [run.steps for run in back] == [run.steps for run in runs]
 
 
@@ -57,7 +59,33 @@ def test_runs_that_part_are_stored_apart(whole: Trace) -> None:
     other = Trace(whole.system, whole.initial, (*whole.steps[:2], *whole.steps[7:9]))
     packed, back = sent([part(whole, 0, 5), other, part(whole, 0, 6)])
     assert [run.steps for run in back] == [whole.steps[:5], other.steps, whole.steps[:6]]
-    assert sum(len(rows) - 1 for rows in packed["courses"]) <= 6 + 4 + 6
+    assert sum(text.count("\n") for text in packed["courses"]) <= 6 + 4 + 6
+
+
+def test_steps_are_read_when_somebody_asks(whole: Trace, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As far as they are asked for, once for all runs; and a run is what it was without them."""
+    read = list[object]()
+    step = courses._step
+    monkeypatch.setattr(courses, "_step", lambda names, row: read.append(row) or step(names, row))
+    _, back = sent([part(whole, 0, length) for length in (3, 9, 5)])
+    assert ([run.length for run in back], read) == ([3, 9, 5], [])
+    assert back[0].steps == whole.steps[:3]
+    assert len(read) == 3
+    assert back[2] == part(whole, 0, 5) == back[2]
+    assert back[2] != part(whole, 0, 6)
+    assert back[2] != whole.steps
+    assert len(read) == 5
+    assert back[1].steps[0] is back[0].steps[0]
+    assert pickle.loads(pickle.dumps(back[1])).steps == whole.steps[:9]
+    assert back[1].stream() == part(whole, 0, 9).stream()
+
+
+def test_no_run_is_longer_than_its_course(whole: Trace) -> None:
+    """Data that were not packed are refused before anybody asks."""
+    packed, _ = sent([part(whole, 0, 3)])
+    packed["traces"][0]["steps"] = 4
+    with pytest.raises(ValueError, match="a run of 4 steps of a course of 3"):
+        unpack_findings(packed, TARGET.system)
 
 
 def test_certificates_are_stored_once() -> None:
