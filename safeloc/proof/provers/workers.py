@@ -9,7 +9,8 @@ from __future__ import annotations
 import multiprocessing
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -18,7 +19,7 @@ from typing import Any
 
 from safeloc.errors import EngineError
 from safeloc.proof.provers.collection import collect_rarely
-from safeloc.proof.provers.slots import shared
+from safeloc.proof.provers.slots import Slots, shared
 
 _MOST_IN_A_PROCESS = 16
 """Tasks after which a process ends, with the memory that they have left in it."""
@@ -77,12 +78,20 @@ class Queue:
     """Tasks that wait, and those that run in processes of their own, at most `jobs` at a time; the first added begins first, unless one is to be the next.
 
     If slots are shared (safeloc.proof.provers.slots), each task needs one, and this process gives its own back while it waits.
+
+    What this process can do itself (`do_meanwhile`) is done piece by piece while no task waits and fewer than `jobs` run, and
+    the rest of it when all have ended.
     """
 
     def __init__(self, jobs: int) -> None:
         self._jobs, self._tasks = max(1, jobs), list[Task]()
         self._waiting, self._running, self._then = list[int](), list[_Worker](), dict[int, Then]()
         self._idle = list[_Worker]()
+        self._own: deque[Callable[[], None]] = deque()
+
+    def do_meanwhile(self, pieces: Iterable[Callable[[], None]]) -> None:
+        """Do these pieces of work in this process, one after the other; each holds up what the tasks' ends bring about."""
+        self._own.extend(pieces)
 
     def add(self, task: Task, then: Then | None = None, *, next_: bool = False) -> None:
         """Add a task; also from the `then` of another one.
@@ -99,6 +108,8 @@ class Queue:
         """Run all tasks, and those that are added meanwhile. EngineError if one raised an exception; the others are then ended."""
         for number, data, seconds in self.ended():
             self._then.pop(number)(data, seconds)
+        while self._own:
+            self._own.popleft()()
 
     def ended(self) -> Iterator[tuple[int, Any | Lost, float]]:
         """Run all tasks; yield (number of the task, its data or Lost, its seconds) as they end. EngineError as `run` raises it."""
@@ -111,8 +122,10 @@ class Queue:
                     self._running.append(self._begun(context, self._waiting.pop(0)))
                 if not any(self._tasks[number].follows for number in self._waiting):
                     self._dismiss_idle()
+                busy = self._did_a_piece(slots)
                 free = [slots.free] if slots is not None and self._may_start() else []
-                wait([*free, *(worker.pipe for worker in self._running)], timeout=_patience(self._running, self._tasks))
+                patience_s = 0.0 if busy else _patience(self._running, self._tasks)
+                wait([*free, *(worker.pipe for worker in self._running)], timeout=patience_s)
                 for worker in list(self._running):
                     answer = _answer(worker, self._tasks[worker.index])
                     if answer is not None:
@@ -129,6 +142,18 @@ class Queue:
                     slots.give()
             if slots is not None:
                 slots.take()
+
+    def _did_a_piece(self, slots: Slots | None) -> bool:
+        """Do a piece of this process's own work, if a processor is free and no task wants it; return whether there was one."""
+        wanted = self._waiting or len(self._running) >= self._jobs
+        if not self._own or wanted or (slots is not None and not slots.try_take()):
+            return False
+        try:
+            self._own.popleft()()
+        finally:
+            if slots is not None:
+                slots.give()
+        return True
 
     def _may_start(self) -> bool:
         return bool(self._waiting) and len(self._running) < self._jobs

@@ -71,11 +71,15 @@ class Work:
 
         StreamError for a recording that the target cannot take, EngineError where solvers contradict each other.
         """
+        replayed = list[Finding]()
+        replays = [partial(self._replay, stream, replayed) for stream in self._streams]
         if plan.quick:
             findings = [*nothing_asked(self.target), *left_open(self.target), *self.tested(plan, ())]
+            for replay in replays:
+                replay()
         else:
-            findings = [one for part in self._side_by_side(plan.limits, plan) for one in part]
-        return self._noted([*findings, *self._replayed()])
+            findings = [one for part in self._side_by_side(plan.limits, plan, replays) for one in part]
+        return self._noted([*findings, *replayed])
 
     def _noted(self, findings: list[Finding]) -> list[Finding]:
         """Return the findings; the first one gets a note of the recordings that were left out."""
@@ -87,20 +91,23 @@ class Work:
         }
         return [replace(findings[0], notes={**findings[0].notes, **note}), *findings[1:]]
 
-    def _replayed(self) -> list[Finding]:
-        findings = list[Finding]()
-        for stream in self._streams:
-            self.on_phase(f"replaying {stream.name}", len(self.target.properties))
-            findings += self._announced(replay_stream(self.target, stream)[1])
-        return findings
+    def _replay(self, stream: Path, findings: list[Finding]) -> None:
+        """Replay a recording, and add the findings to these."""
+        self.on_phase(f"replaying {stream.name}", len(self.target.properties))
+        findings += self._announced(replay_stream(self.target, stream)[1])
 
     def proved_and_obliged(self, limits: Limits) -> tuple[list[Finding], list[Finding]]:
         """Prove lemmas, contracts, all properties and the obligations, side by side; return those, and the obligations."""
         proved, obliged, _ = self._side_by_side(limits, None)
         return proved, obliged
 
-    def _side_by_side(self, limits: Limits, tests: Plan | None) -> tuple[list[Finding], list[Finding], list[Finding]]:
-        """Prove everything, and run the property tests of a plan as soon as the runs are known along which they start."""
+    def _side_by_side(
+        self, limits: Limits, tests: Plan | None, meanwhile: Sequence[Callable[[], None]] = ()
+    ) -> tuple[list[Finding], list[Finding], list[Finding]]:
+        """Prove everything, and run the property tests of a plan as soon as the runs are known along which they start.
+
+        meanwhile  what this process does when a processor is free
+        """
         self.on_phase(
             f"proving {self.target.name}", claims(self.target, self.target.properties) + obligation_count(self.target)
         )
@@ -130,6 +137,7 @@ class Work:
         cases.begin_known_runs(queue)
         if tests is not None:
             cases.when_known(lambda _: obliging.when_reached(partial(test, tests)))
+        queue.do_meanwhile(meanwhile)
         queue.run()
         return [*asked, *proving.findings], obliging.findings, tested
 

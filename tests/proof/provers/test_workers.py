@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import time
+from contextlib import nullcontext
 from functools import partial
 
 import pytest
@@ -12,6 +13,7 @@ import z3
 
 from safeloc.errors import EngineError
 from safeloc.proof.provers.before_forking import renew
+from safeloc.proof.provers.slots import Slots, sharing
 from safeloc.proof.provers.workers import Lost, Queue, Task, in_processes
 
 
@@ -157,3 +159,51 @@ def test_a_task_may_be_the_next_one() -> None:
     add("third", next_=True)
     queue.run()
     assert ["third", "first", "long", "second"] == began
+
+
+def _done_meanwhile(jobs: int, slots: Slots | None = None) -> list[str]:
+    """What happened in this process, in order: two tasks, of which one waits for a pipe, and two pieces of its own work."""
+    queue, happened = Queue(jobs), list[str]()
+    reading, writing = os.pipe()
+    queue.add(Task("waits", lambda: os.read(reading, 1), 30.0), lambda data, _: happened.append("waited"))
+    queue.add(Task("works", lambda: b"", 30.0), lambda data, _: happened.append("worked"))
+
+    def last() -> None:
+        happened.append("last piece")
+        os.write(writing, b".")
+
+    queue.do_meanwhile([lambda: happened.append("piece"), last])
+    if jobs == 1 or slots is not None:
+        os.write(writing, b".")  # nothing else lets the task go on
+    with nullcontext() if slots is None else sharing(slots):
+        queue.run()
+    os.close(reading)
+    os.close(writing)
+    return happened
+
+
+def test_own_work_is_done_while_a_processor_is_free() -> None:
+    """After all tasks have begun, and before the last one ends."""
+    assert _done_meanwhile(2) == ["worked", "piece", "last piece", "waited"]
+
+
+def test_own_work_is_left_to_the_end_where_no_processor_is_free() -> None:
+    """One task at a time may run, or one slot is all there is."""
+    assert _done_meanwhile(1) == ["waited", "worked", "piece", "last piece"]
+    slots = Slots(1)
+    slots.take()
+    assert _done_meanwhile(2, slots) == ["waited", "worked", "piece", "last piece"]
+    assert not slots.try_take()
+    slots.close()
+
+
+def test_an_error_of_own_work_ends_the_tasks() -> None:
+    """As one of a task does."""
+    queue = Queue(2)
+    queue.add(Task("sleeps", lambda: time.sleep(600), 600.0), lambda data, _: None)
+    queue.do_meanwhile([_fail])
+    started = time.monotonic()
+    with pytest.raises(ValueError, match="no such solver"):
+        queue.run()
+    assert time.monotonic() - started < 10.0
+    assert not multiprocessing.active_children()
