@@ -1,4 +1,4 @@
-"""What digests of machines need of a module: the digest of its code without words for readers, and what it imports.
+"""Facts that digests of machines need of a module: the digest of its code without words for readers, and what it imports.
 
 It follows from the text of the module alone, and is kept under that: to parse all modules of declarations takes seconds.
 """
@@ -24,7 +24,7 @@ _BODIES = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 @dataclass(frozen=True)
 class ReadModule:
-    """What was read of a module.
+    """Facts about a module, out of its text.
 
     code     SHA-256 over its text without words
     imports  the names that it imports, wherever it does: modules, what is taken from them, and the packages above
