@@ -1,13 +1,31 @@
-"""Choice of properties by machine, requirement and text."""
+"""Choice of properties by machine, requirement and text.
+
+To make all machines takes seconds, so what a list of all needs of them is kept, under a digest of all source files.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import hashlib
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
 
 from safeloc.catalogue import ENTRIES, load_target
 from safeloc.errors import InputError
-from safeloc.language.spec import Property
+from safeloc.proof.cache.engine import source_digest, undisturbed
+from safeloc.proof.cache.store import Store
+
+_KIND = "properties"
+
+
+@dataclass(frozen=True)
+class ListedProperty:
+    """Name, statement and requirements of a property, and the machine that it is of."""
+
+    machine: str
+    name: str
+    requirements: tuple[str, ...]
+    statement: str
 
 
 @dataclass(frozen=True)
@@ -28,19 +46,18 @@ class PropertyChoice:
         """True if properties are chosen by requirement or text."""
         return self.requirement is not None or self.text is not None
 
-    def found(self) -> list[tuple[str, Property]]:
-        """Return the chosen properties, each with the name of its machine. InputError if there is none."""
-        found = [
-            (target.name, prop)
-            for target in map(load_target, dict.fromkeys(self.machines or ENTRIES))
-            for prop in target.properties
-            if self.accepts(prop)
-        ]
+    def found(self, store: Store | None = None) -> list[ListedProperty]:
+        """Return the chosen properties. InputError if there is none.
+
+        store  where those of all machines that ship are looked for, and kept
+        """
+        listed = _declared(self.machines) if self.machines else _of_all(store)
+        found = [one for one in listed if self.accepts(one)]
         if not found:
             raise InputError(f"no property{self._in_words()}; `safeloc list properties` lists all.")
         return found
 
-    def accepts(self, prop: Property) -> bool:
+    def accepts(self, prop: ListedProperty) -> bool:
         """Return whether the filter accepts a property of a chosen machine; case is ignored."""
         requirements = {one.casefold() for one in prop.requirements}
         words = f"{prop.name}\n{prop.statement}".casefold()
@@ -53,3 +70,25 @@ class PropertyChoice:
         requirement = f" verifies requirement {self.requirement!r}" if self.requirement is not None else ""
         text = f" has {self.text!r} in its name or statement" if self.text is not None else ""
         return f"{machines}{' and'.join(part for part in (requirement, text) if part) or ' is declared'}"
+
+
+def _declared(machines: Iterable[str]) -> list[ListedProperty]:
+    """Return the properties of some machines, which are made for it."""
+    return [
+        ListedProperty(target.name, prop.name, tuple(prop.requirements), prop.statement)
+        for target in map(load_target, dict.fromkeys(machines))
+        for prop in target.properties
+    ]
+
+
+def _of_all(store: Store | None) -> list[ListedProperty]:
+    """Return the properties of all machines that ship: as they are kept for this source, or else made and kept."""
+    key = hashlib.sha256("\0".join([source_digest(), *ENTRIES]).encode()).hexdigest()
+    entry = None if store is None else store.get(_KIND, key)
+    if entry is not None:
+        rows = json.loads(entry.data)
+        return [ListedProperty(**{**row, "requirements": tuple(row["requirements"])}) for row in rows]
+    found = _declared(ENTRIES)
+    if store is not None and undisturbed():
+        store.put(_KIND, key, json.dumps(list(map(asdict, found))).encode())
+    return found

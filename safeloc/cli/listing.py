@@ -71,7 +71,7 @@ def list_(
     chosen = PropertyChoice(asked, requirement, text)
     kinds: Mapping[str, Callable[[], _Listed]] = {
         "machines": _machines,
-        "properties": lambda: _properties(chosen),
+        "properties": lambda: _properties(chosen, store_in(cache)),
         "config": lambda: _config(asked, config),
         "recordings": lambda: _recordings(asked),
         "assumptions": lambda: _assumptions(asked),
@@ -103,16 +103,8 @@ def _machines() -> _Listed:
     return rows, _lines(rows)
 
 
-def _properties(chosen: PropertyChoice) -> _Listed:
-    rows = [
-        {
-            "machine": machine,
-            "name": prop.name,
-            "requirements": " ".join(prop.requirements),
-            "statement": prop.statement,
-        }
-        for machine, prop in chosen.found()
-    ]
+def _properties(chosen: PropertyChoice, store: Store) -> _Listed:
+    rows = [{**asdict(one), "requirements": " ".join(one.requirements)} for one in chosen.found(store)]
     return rows, _lines(rows)
 
 

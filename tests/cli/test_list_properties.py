@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.assurance import property_choice
-from safeloc.catalogue import Target, load_target
+from safeloc.catalogue import ENTRIES, Target, load_target
 from tests.cli.calling import DOOR, Call
 
 Rows = list[dict[str, str]]
@@ -47,6 +47,23 @@ def test_of_several_machines(call: Call, made: list[str]) -> None:
     found = rows(call, "--machine", "emitter", "--machine", DOOR, "--machine", "emitter")
     assert list(dict.fromkeys(row["machine"] for row in found)) == ["emitter", "door"]
     assert made == ["emitter", DOOR]
+
+
+def test_those_of_all_are_kept(call: Call, made: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second list makes no machine, whatever it chooses; one of other source files makes all."""
+    few = {name: ENTRIES[name] for name in ("emitter", "turn_off")}
+    monkeypatch.setattr(property_choice, "ENTRIES", few)
+    first = rows(call)
+    assert made == ["emitter", "turn_off"]
+    assert rows(call) == first == rows(call, "--machine", "emitter") + rows(call, "--machine", "turn_off")
+    answers = rows(call, "--id", first[0]["requirements"].split()[0])
+    assert 0 < len(answers) < len(first)
+    assert made == ["emitter", "turn_off"] * 2
+    monkeypatch.setattr(property_choice, "source_digest", lambda: "other")
+    assert rows(call) == first
+    assert made == ["emitter", "turn_off"] * 3
+    monkeypatch.setattr(property_choice, "ENTRIES", {"emitter": few["emitter"]})
+    assert {row["machine"] for row in rows(call)} == {"emitter"}
 
 
 def test_that_answer_for_a_requirement(call: Call) -> None:
