@@ -72,9 +72,10 @@ def test_workers_start_again_and_end_with_their_parent(tmp_path: Path, number: i
             speaker.send("7", one)
         wait_for(lambda: len(speaker.by_cycle("7")) == 30, "reports")
         assert [without_lines(one) for _, one in sorted(speaker.by_cycle("7").items())] == alone("7", numbered(30, "7"))
-        wait_for(lambda: len(taken(parent.caught_up())) == 6, "a third worker, with the partitions of the first")
-        assert {worker for worker, _ in taken(parent.log)[4:]} == {0}
-        assert set(taken(parent.log)[4:]) <= set(taken(parent.log)[:4])
+        # its own ones, or on a busy machine two that the other one has taken meanwhile (test_fleet has them wait)
+        wait_for(
+            lambda: [one for one, _ in taken(parent.caught_up())[4:]].count(0) == 2, "two partitions of a third worker"
+        )
         pids = [one["pid"] for one in parent.log if one["event"] == "worker started"]
         if number == signal.SIGTERM:
             assert parent.end(number) == 0
