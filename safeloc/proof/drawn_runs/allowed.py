@@ -16,11 +16,12 @@ from operator import itemgetter
 from safeloc.codegen.compiled import compile_terms
 from safeloc.language.expr import Bool, Expr, NumVar, Var
 from safeloc.language.interpret import evaluate
-from safeloc.language.nodes import Compare, Lit, Num, Sub, Value
+from safeloc.language.nodes import Compare, Lit, Num, Value
 from safeloc.language.terms import children, in_order, variables
-from safeloc.language.units import ONE
 from safeloc.proof.drawn_runs.linear import Segment, Straight, slope_of_gap, straight_of
 
+_Code = Callable[[Sequence[Value]], Sequence[Value]]
+"""A compiled function of a row of values."""
 _FEW = 3
 _TRIED = 0.95
 """Share of the searches that first try a few values."""
@@ -42,8 +43,14 @@ class Condition:
         self._kinds: dict[Var, Straight | None] = {}
 
     @cached_property
-    def _truth(self) -> Callable[[Sequence[Value]], Sequence[Value]]:
+    def _truth(self) -> _Code:
         return compiled_terms(tuple(self.reads), [self.term])
+
+    @cached_property
+    def _sides(self) -> _Code:
+        """The sides of all comparisons in turn. To compile those that read one variable, for each variable, takes longer than to
+        evaluate all of them as often as most are asked for."""
+        return compiled_terms(tuple(self.reads), [side for one in self._compares for side in (one.left, one.right)])
 
     def holds(self, values: Mapping[Var, Value]) -> bool:
         """Return whether the condition is true for the values."""
@@ -58,7 +65,7 @@ class Condition:
         """
         if var not in self._along and var not in self._straight:
             if self.straight(var) is None:
-                self._along[var] = _along(var, tuple(self.reads), self._compares, self._below)
+                self._along[var] = _along(var, self._compares, self._below)
             else:
                 self._straight[var] = Allowed(var, [self])
         if var in self._straight:
@@ -67,7 +74,7 @@ class Condition:
         row = list(self._row(values))
         at = self.reads[var]
         low, high = within or (var.low, var.high)
-        begins = sorted({low, *(cut for cut in along.cuts(row, at) if low < cut <= high)})
+        begins = sorted({low, *(cut for cut in along.cuts(self._sides, row, at) if low < cut <= high)})
         ends = [*(begin - 1 for begin in begins[1:]), high]
         pieces = zip(begins, ends, strict=True)
         return _joined([(low, high) for low, high in pieces if self._is_true(row, at, (low + high) // 2)])
@@ -92,7 +99,7 @@ class Together:
     @cached_property
     def _code(
         self,
-    ) -> tuple[Callable[[Mapping[Var, Value]], Sequence[Value]], Callable[[Sequence[Value]], Sequence[Value]]]:
+    ) -> tuple[Callable[[Mapping[Var, Value]], Sequence[Value]], _Code]:
         reads = tuple(dict.fromkeys(var for one in self.conditions for var in one.reads))
         return row_of(reads), compiled_terms(reads, [one.term for one in self.conditions])
 
@@ -188,19 +195,18 @@ def _where(
 
 @dataclass(frozen=True, eq=False)
 class _Along:
-    """The comparisons of a condition that read one variable.
+    """The comparisons of a condition that read one variable, by the places of their left sides among all sides.
 
-    straight  right side minus left side, of the comparisons that are linear in the variable
-    kinds     of each of these its operator, and how much the difference grows when the variable grows by 1
-    bent      left side and right side of the other comparisons, in turn
+    straight  those that are linear in the variable: place, operator, and how much right side minus left side grows when the
+              variable grows by 1
+    bent      the others
     """
 
     var: NumVar
-    straight: Callable[[Sequence[Value]], Sequence[Value]]
-    kinds: tuple[tuple[str, int], ...]
-    bent: Callable[[Sequence[Value]], Sequence[Value]] | None
+    straight: tuple[tuple[int, str, int], ...]
+    bent: tuple[int, ...]
 
-    def cuts(self, row: list[Value], at: int) -> set[int]:
+    def cuts(self, sides: _Code, row: list[Value], at: int) -> set[int]:
         """Return the values, some beyond the range, from which on a comparison may differ from the value before; the row is unchanged
         afterwards.
 
@@ -208,13 +214,14 @@ class _Along:
         """
         low, high, here = self.var.low, self.var.high, int(row[at])
         found = set[int]()
-        if self.kinds:
-            for gap, (op, slope) in zip(self.straight(row), self.kinds, strict=True):
-                found.update(_flips(here, int(gap), op, slope))
-        if self.bent is not None:
+        if self.straight:
+            values = sides(row)
+            for place, op, slope in self.straight:
+                found.update(_flips(here, int(values[place + 1]) - int(values[place]), op, slope))
+        if self.bent:
             found.update((low + 1, high))
             for probe, step in ((low, 1), (high, -1), (here, 1 if here < high else -1)):
-                for root in _roots(self.bent, row, at, probe, step):
+                for root in _roots(sides, self.bent, row, at, probe, step):
                     found.update((root - 1, root, root + 1, root + 2))
             row[at] = here
         return found
@@ -245,18 +252,13 @@ def _constant(slope: Num | None) -> int | None:
     return slope.value if isinstance(slope, Lit) else None
 
 
-def _along(
-    var: NumVar, reads: tuple[Var, ...], compares: Sequence[Compare], below: Mapping[Expr, frozenset[Var]]
-) -> _Along:
-    reading = [node for node in compares if var in below[node]]
-    gaps = {node: Sub(node.right, node.left, ONE) for node in reading}
-    slopes = {node: _constant(slope_of_gap(node, var, below)) for node in reading}
-    bent = [side for node in reading if slopes[node] is None for side in (node.left, node.right)]
+def _along(var: NumVar, compares: Sequence[Compare], below: Mapping[Expr, frozenset[Var]]) -> _Along:
+    reading = {2 * number: node for number, node in enumerate(compares) if var in below[node]}
+    slopes = {place: _constant(slope_of_gap(node, var, below)) for place, node in reading.items()}
     return _Along(
         var,
-        compiled_terms(reads, [gaps[node] for node, grows in slopes.items() if grows]),
-        tuple((node.op, grows) for node, grows in slopes.items() if grows),
-        compiled_terms(reads, bent) if bent else None,
+        tuple((place, reading[place].op, grows) for place, grows in slopes.items() if grows),
+        tuple(place for place, grows in slopes.items() if grows is None),
     )
 
 
@@ -267,7 +269,7 @@ def row_of(reads: Sequence[Var]) -> Callable[[Mapping[Var, Value]], Sequence[Val
     return lambda values: [values[var] for var in reads]
 
 
-def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[Sequence[Value]], Sequence[Value]]:
+def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> _Code:
     """Compile the terms to a function of a row of values of `reads`; without case analysis, so this is quick."""
     if not reads:
         constants = evaluate(terms, {})
@@ -275,15 +277,13 @@ def compiled_terms(reads: tuple[Var, ...], terms: Sequence[Expr]) -> Callable[[S
     return compile_terms(reads, terms)
 
 
-def _roots(
-    sides: Callable[[Sequence[Value]], Sequence[Value]], row: list[Value], at: int, probe: int, step: int
-) -> Iterable[int]:
+def _roots(sides: _Code, places: Sequence[int], row: list[Value], at: int, probe: int, step: int) -> Iterable[int]:
     """Estimate the roots of each comparison from the slope at the probe."""
     row[at] = probe
     first = sides(row)
     row[at] = probe + step
     second = sides(row)
-    for n in range(0, len(first), 2):
+    for n in places:
         gap = first[n + 1] - first[n]
         slope = (second[n + 1] - second[n] - gap) * step
         if slope:
