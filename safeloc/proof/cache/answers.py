@@ -1,5 +1,5 @@
-"""The cache of solver answers: the fact that every goal of a query is proved, by which programs that was confirmed, and the
-hypotheses that a proof needs.
+"""The cache of solver answers: the fact that every goal of a query is proved, by which programs that was confirmed, the
+hypotheses that a proof needs, and the goals of a query that z3 did not prove.
 
 The key is the text of the query (hypotheses and goals), the solver, and the engine; after an edit of a machine only the
 affected queries are solved again.
@@ -19,7 +19,7 @@ from safeloc.proof.cache.turns import Turn, turn
 
 Solver = Literal["z3", "second"]
 """z3, which proves, or the second solver, which confirms: yices or cvc5."""
-_KIND, _PROVED, NEEDED = "answers", b"proved", "needed"
+_KIND, _PROVED, NEEDED, LEFT = "answers", b"proved", "needed", "left"
 _BEGINS = "(set-logic "
 
 
@@ -100,20 +100,50 @@ def needed_before(text: str, hypotheses: int) -> list[int] | None:
 
     The numbers are a proposal: the caller has to prove the goals from these hypotheses.
     """
-    if not _PLACES:
-        return None
-    place = _PLACES[-1]
-    entry = place.store.get(NEEDED, _key("z3", text))
-    if entry is None or entry.since < place.since:
-        return None
-    numbers = [int(number) for number in entry.data.split() if number.isdigit()]
-    return numbers if all(number < hypotheses for number in numbers) else None
+    numbers = _numbers(NEEDED, text)
+    return numbers if numbers is not None and all(number < hypotheses for number in numbers) else None
 
 
 def keep_needed(text: str, numbers: Sequence[int]) -> None:
     """Cache the numbers of the hypotheses of this text that z3 used for its proof."""
+    _keep_numbers(NEEDED, text, numbers)
+
+
+def left_before(text: str, goals: int, seconds: float) -> list[int] | None:
+    """Return the cached numbers of the goals of this text that z3 did not prove; None if that is not known, or not for so much effort.
+
+    goals  the number of all goals of the text
+
+    That the others follow has to be known from elsewhere (`proved_before`), so a wrong number proves nothing.
+    """
+    found = _numbers(LEFT, text)
+    if not found or found[0] < _milliseconds(seconds) or any(number >= goals for number in found[1:]):
+        return None
+    return found[1:]
+
+
+def keep_left(text: str, seconds: float, numbers: Sequence[int]) -> None:
+    """Cache the numbers of the goals of this text that z3 did not prove with so much effort."""
+    _keep_numbers(LEFT, text, [_milliseconds(seconds), *numbers])
+
+
+def _milliseconds(seconds: float) -> int:
+    return int(seconds * 1000)
+
+
+def _numbers(kind: str, text: str) -> list[int] | None:
+    if not _PLACES:
+        return None
+    place = _PLACES[-1]
+    entry = place.store.get(kind, _key("z3", text))
+    if entry is None or entry.since < place.since:
+        return None
+    return [int(number) for number in entry.data.split() if number.isdigit()]
+
+
+def _keep_numbers(kind: str, text: str, numbers: Sequence[int]) -> None:
     if _PLACES:
-        _PLACES[-1].store.put(NEEDED, _key("z3", text), b" ".join(b"%d" % number for number in numbers))
+        _PLACES[-1].store.put(kind, _key("z3", text), b" ".join(b"%d" % number for number in numbers))
 
 
 @contextmanager

@@ -22,7 +22,7 @@ from safeloc.language.verdict import SEVERAL_RUNS, Proved, Unknown, Vacuous, Ver
 from safeloc.proof.drawn_runs.quick import run_again
 from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
-from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.implication import following
 from safeloc.proof.provers.kinduction import given_facts, kinduction
 from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline
 from safeloc.proof.provers.obligation import Obligation
@@ -400,8 +400,8 @@ class _Together:
         start = Query("first", [watched.system.init, in_range(watched.system.state)], first)
         step = Query("step", [environment(watched.system), *self._facts(self._goals[left[0]])], later)
         seconds = self._ends.left / 4
-        possible = {**unproved(start, seconds), **unproved(step, seconds)}
-        return [number for number in left if number not in possible]
+        never_first, never_later = following(start, seconds), following(step, seconds)
+        return [number for number in left if number in never_first and number in never_later]
 
     def _facts(self, goal: Goal) -> list[Bool]:
         known = base(self._system, seconds=self._limits.seconds)

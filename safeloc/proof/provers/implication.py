@@ -5,7 +5,7 @@ goal that fails.
 from __future__ import annotations
 
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from safeloc.language.expr import Bool, Var
 from safeloc.language.nodes import Value
 from safeloc.language.terms import conjuncts, variables
 from safeloc.language.trace import shown
-from safeloc.proof.cache.answers import keep_proved, keeping, proved_before
+from safeloc.proof.cache.answers import keep_left, keep_proved, keeping, left_before, proved_before
 from safeloc.proof.provers.asking import ask, plain_solver, why_unknown
 from safeloc.proof.provers.limits import Deadline, deadline
 from safeloc.proof.provers.once import alone_in_asking
@@ -98,6 +98,42 @@ def unproved(
         if not failed:
             keep_proved(text)
     return failed
+
+
+def following(query: Query[Key], seconds: float) -> set[Key]:
+    """Return the goals that z3 proves within `seconds` for all goals together; nobody asks why the others do not follow.
+
+    Which ones these are is kept, unless the clock ended the search: asked again, the query is answered by the proof of the rest.
+    """
+    if not keeping():
+        return query.goals.keys() - _failures(query, seconds, 0, 0.0).keys()
+    text = text_of(query)
+    with alone_in_asking("z3", text):
+        found = _following_before(query, text, seconds)
+        if found is None:
+            ends = deadline(seconds)
+            found = query.goals.keys() - _failures(query, seconds, 0, 0.0).keys()
+            if found:
+                keep_proved(text_of(_only(query, found)))
+            if not ends.overdue:
+                keep_left(text, seconds, [number for number, key in enumerate(query.goals) if key not in found])
+    return found
+
+
+def _following_before(query: Query[Key], text: str, seconds: float) -> set[Key] | None:
+    """Return the goals that followed before; None if that is not known of each goal, with so much effort."""
+    if proved_before(text):
+        return set(query.goals)
+    left = left_before(text, len(query.goals), seconds)
+    if left is None:
+        return None
+    found = {key for number, key in enumerate(query.goals) if number not in left}
+    return found if not found or proved_before(text_of(_only(query, found))) else None
+
+
+def _only(query: Query[Key], keys: Collection[Key]) -> Query[Key]:
+    """Return the query with these goals."""
+    return Query(query.name, query.hypotheses, {key: goal for key, goal in query.goals.items() if key in keys})
 
 
 def countermodel(query: Query[Key], seconds: float, seed: int = 0) -> dict[Var, Value] | None:

@@ -57,7 +57,12 @@ class Deadline:
     @property
     def left(self) -> float:
         """Seconds of effort until the deadline; 0 once it has passed."""
-        return 0.0 if _clock() >= self.latest else max(0.0, self.at - effort())
+        return 0.0 if self.overdue else max(0.0, self.at - effort())
+
+    @property
+    def overdue(self) -> bool:
+        """True if the clock ends it, whatever effort is left."""
+        return _clock() >= self.latest
 
     @property
     def passed(self) -> bool:

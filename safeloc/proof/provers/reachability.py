@@ -16,7 +16,7 @@ from safeloc.proof.provers.beside import beside
 from safeloc.proof.provers.drawn import drawn
 from safeloc.proof.provers.facts import contract_of
 from safeloc.proof.provers.found_run import FoundRun, shown_freely, shown_lawfully
-from safeloc.proof.provers.implication import unproved
+from safeloc.proof.provers.implication import following
 from safeloc.proof.provers.kinduction import kinduction
 from safeloc.proof.provers.leaping import farther, leaping
 from safeloc.proof.provers.limits import Limits, deadline
@@ -258,12 +258,11 @@ def _never(goals: Sequence[Goal], facts: Sequence[Bool], limits: Limits, share: 
     for number, term in later.items():
         alike.setdefault(relevance.machines([term]), []).append(number)
     start = Query("first", [watched.system.init, in_range(watched.system.state)], {n: goals[n].good for n in later})
-    possible = set(unproved(start, limits.seconds))
+    not_first, never = following(start, limits.seconds), set[int]()
     for numbers in alike.values():
-        wanted = {number: later[number] for number in numbers if number not in possible}
-        step = Query("step", relevance.select(hypotheses, wanted.values()), wanted)
-        possible |= set(unproved(step, seconds, core_seconds=0.0))
-    return {goal for number, goal in enumerate(goals) if number not in possible}
+        wanted = {number: later[number] for number in numbers if number in not_first}
+        never |= following(Query("step", relevance.select(hypotheses, wanted.values()), wanted), seconds)
+    return {goal for number, goal in enumerate(goals) if number in never}
 
 
 # ------------------------------------------------------------------ a machine of a composition by itself
