@@ -162,7 +162,7 @@ def test_what_another_run_writes_into_the_folder_is_not_kept(
 ) -> None:
     """A report is kept before any other run may write where it stands."""
     order: list[str] = []
-    alone, keeps = folder_module._alone, module.keep_report
+    alone, keeps = folder_module.locked, module.keep_report
 
     @contextmanager
     def told(folder: Path) -> Iterator[None]:
@@ -174,7 +174,7 @@ def test_what_another_run_writes_into_the_folder_is_not_kept(
         order.append("kept")
         keeps(*arguments)
 
-    monkeypatch.setattr(folder_module, "_alone", told)
+    monkeypatch.setattr(folder_module, "locked", told)
     monkeypatch.setattr(module, "keep_report", kept)
     call("verify", "emitter", *QUICK, "--out", str(tmp_path / "report"), "--cache", str(tmp_path / "cache"))
     assert ["kept", "others may write"] == order

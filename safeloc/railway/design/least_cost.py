@@ -61,6 +61,8 @@ def least(
     kept = [one for one in demands if not one.any_of & one.unless]
     if not kept:
         return frozenset()
+    if not costs:
+        return frozenset() if all(one.holds(frozenset()) for one in kept) else None
     rows = [optimize.LinearConstraint(_matrix(kept, len(costs)), [1 - len(one.unless) for one in kept])]
     if at_most is not None:
         those = [[1.0 if number in at_most.of else 0.0 for number in range(len(costs))]]
@@ -85,7 +87,7 @@ def weights(costs: Sequence[int], demands: Sequence[Demand]) -> dict[Demand, Fra
     """Return a weight for each demand that makes `bound` about as great as the linear relaxation allows; those of 0 are left out."""
     optimize, numpy = _scipy()
     kept = [one for one in dict.fromkeys(demands) if not one.any_of & one.unless]
-    if not kept:
+    if not kept or not costs:
         return {}
     found = optimize.linprog(
         numpy.array(costs, dtype=float), A_ub=-_matrix(kept, len(costs)), b_ub=[len(one.unless) - 1 for one in kept],

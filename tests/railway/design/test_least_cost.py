@@ -74,3 +74,12 @@ def test_a_gap_is_closed_by_proof() -> None:
     assert bound(alike, weights(alike, pairs)) == 3
     assert none_cheaper(alike, pairs, 4, 10.0)
     assert not none_cheaper(alike, pairs, 5, 10.0)
+
+
+def test_without_options_there_is_one_selection() -> None:
+    """The empty one: it satisfies no demand for an option, and every demand that asks for none."""
+    nothing, something = Demand(frozenset(), frozenset()), Demand(frozenset({0}), frozenset())
+    assert least([], []) == frozenset()
+    assert least([], [nothing]) == (frozenset() if nothing.holds(frozenset()) else None)
+    assert least([], [something]) is None
+    assert weights([], [something]) == {}

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, seed, settings
 from hypothesis import strategies as st
 
 from safeloc.errors import InputError
@@ -123,6 +123,7 @@ def test_random_machines_in_a_host(small: bool) -> None:
     """Any machine on any stream: same modes, outputs and rows, and callbacks in either spelling."""
     heard: list[str] = []
 
+    @seed(0)  # a draw of machines that change their modes: of some draws none does
     @settings(max_examples=60)
     @given(data=st.data())
     def agree(data: st.DataObject) -> None:
