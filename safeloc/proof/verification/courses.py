@@ -69,16 +69,20 @@ class KeptTrace(Trace):
 
     _course: KeptCourse
     _length: int
+    _read: tuple[Step, ...] | None
 
     def __init__(self, system: TransitionSystem, initial: Mapping[str, Value], course: KeptCourse, length: int) -> None:
         if not 0 <= length <= len(course):
             raise ValueError(f"a run of {length} steps of a course of {len(course)}")
-        for name, value in (("system", system), ("initial", initial), ("_course", course), ("_length", length)):
+        own = {"system": system, "initial": initial, "_course": course, "_length": length, "_read": None}
+        for name, value in own.items():
             object.__setattr__(self, name, value)
 
     @property
     def steps(self) -> tuple[Step, ...]:  # pyright: ignore[reportIncompatibleVariableOverride] # nobody may set either
-        return self._course.first(self._length)
+        if self._read is None:
+            object.__setattr__(self, "_read", self._course.first(self._length))
+        return self._read or ()
 
     @property
     def length(self) -> int:

@@ -76,6 +76,7 @@ def test_steps_are_read_when_somebody_asks(whole: Trace, monkeypatch: pytest.Mon
     assert back[2] != whole.steps
     assert len(read) == 5
     assert back[1].steps[0] is back[0].steps[0]
+    assert back[1].steps is back[1].steps
     assert pickle.loads(pickle.dumps(back[1])).steps == whole.steps[:9]
     assert back[1].stream() == part(whole, 0, 9).stream()
 
