@@ -31,7 +31,7 @@ def results_text(data: _Data, links: Links) -> str:
 
 
 def results_script(text: str, made: str) -> str:
-    """Return the script with these data (`results_text`); `made` is the digest of the page that asks for it."""
+    """Return the script with these data (`results_text`); `made` is the digest of the report that it belongs to."""
     return script(_FUNCTION, "all", data=f'{{"made":{json.dumps(made)},{text[1:]}'.encode())
 
 

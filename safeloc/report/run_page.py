@@ -71,7 +71,7 @@ def island(data: _Data) -> Markup:
 
 
 def known_runs(data: _Data, made: str, *, report: str) -> dict[str, Any]:
-    """Return which machines have runs, and where their data lie; `made` is the digest of the page."""
+    """Return which machines have runs, and where their data lie; `made` is the digest of the report."""
     return {
         "made": made,
         "report": report,

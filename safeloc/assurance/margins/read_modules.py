@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from safeloc.proof.cache.engine import tools_digest
+from safeloc.proof.cache.engine import tools_digest, undisturbed
 from safeloc.proof.cache.store import Store
 
 _KIND = "modules"
@@ -50,7 +50,8 @@ def read_module(text: str) -> ReadModule:
 
 @contextmanager
 def readings_kept_in(store: Store) -> Iterator[None]:
-    """Within, modules that an earlier process has read are not parsed again; at the end, what was read is kept.
+    """Within, modules that an earlier process has read are not parsed again; at the end, what was read is kept,
+    unless a file of the package was written since this process started.
 
     What the process did not need is forgotten, so that the entry holds one version of each module.
     """
@@ -61,7 +62,7 @@ def readings_kept_in(store: Store) -> Iterator[None]:
             {digest: ReadModule(code, tuple(names)) for digest, (code, names) in json.loads(entry.data).items()}
         )
     yield
-    if not _read.keys() <= _taken.keys():
+    if not _read.keys() <= _taken.keys() and undisturbed():
         rows = {digest: (one.code, one.imports) for digest, one in _read.items()}
         store.put(_KIND, key, json.dumps(rows).encode())
 

@@ -19,7 +19,7 @@ from safeloc.proof.cache.turns import Turn, turn
 
 Solver = Literal["z3", "second"]
 """z3, which proves, or the second solver, which confirms: yices or cvc5."""
-_KIND, _PROVED, NEEDED, LEFT = "answers", b"proved", "needed", "left"
+_KIND, _PROVED, NEEDED, UNPROVED = "answers", b"proved", "needed", "unproved"
 _BEGINS = "(set-logic "
 
 
@@ -109,22 +109,22 @@ def keep_needed(text: str, numbers: Sequence[int]) -> None:
     _keep_numbers(NEEDED, text, numbers)
 
 
-def left_before(text: str, goals: int, seconds: float) -> list[int] | None:
+def unproved_before(text: str, goals: int, seconds: float) -> list[int] | None:
     """Return the cached numbers of the goals of this text that z3 did not prove; None if that is not known, or not for so much effort.
 
     goals  the number of all goals of the text
 
     That the others follow has to be known from elsewhere (`proved_before`), so a wrong number proves nothing.
     """
-    found = _numbers(LEFT, text)
+    found = _numbers(UNPROVED, text)
     if not found or found[0] < _milliseconds(seconds) or any(number >= goals for number in found[1:]):
         return None
     return found[1:]
 
 
-def keep_left(text: str, seconds: float, numbers: Sequence[int]) -> None:
+def keep_unproved(text: str, seconds: float, numbers: Sequence[int]) -> None:
     """Cache the numbers of the goals of this text that z3 did not prove with so much effort."""
-    _keep_numbers(LEFT, text, [_milliseconds(seconds), *numbers])
+    _keep_numbers(UNPROVED, text, [_milliseconds(seconds), *numbers])
 
 
 def _milliseconds(seconds: float) -> int:

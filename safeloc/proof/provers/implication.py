@@ -17,7 +17,7 @@ from safeloc.language.expr import Bool, Var
 from safeloc.language.nodes import Value
 from safeloc.language.terms import conjuncts, variables
 from safeloc.language.trace import shown
-from safeloc.proof.cache.answers import keep_left, keep_proved, keeping, left_before, proved_before
+from safeloc.proof.cache.answers import keep_proved, keep_unproved, keeping, proved_before, unproved_before
 from safeloc.proof.provers.asking import ask, plain_solver, why_unknown
 from safeloc.proof.provers.limits import Deadline, deadline
 from safeloc.proof.provers.once import alone_in_asking
@@ -116,7 +116,7 @@ def following(query: Query[Key], seconds: float) -> set[Key]:
             if found:
                 keep_proved(text_of(_only(query, found)))
             if not ends.overdue:
-                keep_left(text, seconds, [number for number, key in enumerate(query.goals) if key not in found])
+                keep_unproved(text, seconds, [number for number, key in enumerate(query.goals) if key not in found])
     return found
 
 
@@ -124,7 +124,7 @@ def _following_before(query: Query[Key], text: str, seconds: float) -> set[Key] 
     """Return the goals that followed before; None if that is not known of each goal, with so much effort."""
     if proved_before(text):
         return set(query.goals)
-    left = left_before(text, len(query.goals), seconds)
+    left = unproved_before(text, len(query.goals), seconds)
     if left is None:
         return None
     found = {key for number, key in enumerate(query.goals) if number not in left}

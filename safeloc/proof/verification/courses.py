@@ -31,6 +31,7 @@ class Course:
 
     @property
     def text(self) -> str:
+        """The lines, one below the other."""
         return "\n".join(self._lines)
 
     def shares(self, steps: Sequence[Step]) -> bool:
@@ -80,12 +81,14 @@ class KeptTrace(Trace):
 
     @property
     def steps(self) -> tuple[Step, ...]:  # pyright: ignore[reportIncompatibleVariableOverride] # nobody may set either
+        """The steps; ValueError for text that no course has."""
         if self._read is None:
             object.__setattr__(self, "_read", self._course.first(self._length))
         return self._read or ()
 
     @property
     def length(self) -> int:
+        """The number of steps, which needs none of them."""
         return self._length
 
     def __eq__(self, other: object) -> bool:

@@ -11,7 +11,7 @@ import pytest
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import number
 from safeloc.language.units import MM
-from safeloc.proof.cache.answers import keep_left, keep_proved, kept_in, left_before
+from safeloc.proof.cache.answers import keep_proved, keep_unproved, kept_in, unproved_before
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers import implication, limits
 from safeloc.proof.provers.implication import Failure, following, text_of, unproved
@@ -78,10 +78,10 @@ def test_what_is_left_proves_nothing_of_the_others(tmp_path: Path, asked: list[Q
     """With wrong numbers in the cache the query is solved: that the others follow is known by their own proof alone."""
     with kept_in(Store(tmp_path)):
         for numbers in ([], [1], [1, 4]):
-            keep_left(text_of(query()), SECONDS, numbers)
+            keep_unproved(text_of(query()), SECONDS, numbers)
             assert following(query(), SECONDS) == {"one", "two"}
         assert len(asked) == 3
-        keep_left(text_of(query()), SECONDS, [0, 1, 2, 3])
+        keep_unproved(text_of(query()), SECONDS, [0, 1, 2, 3])
         assert following(query(), SECONDS) == set()  # less is excluded, so more is searched
 
 
@@ -91,7 +91,7 @@ def test_what_the_clock_ended_is_not_kept(tmp_path: Path, monkeypatch: pytest.Mo
         monkeypatch.setattr(limits.Deadline, "overdue", property(lambda _: True))
         assert following(query(), SECONDS) == set()  # nothing was asked in time
         monkeypatch.undo()
-        assert left_before(text_of(query()), 4, SECONDS) is None
+        assert unproved_before(text_of(query()), 4, SECONDS) is None
         assert following(query(), SECONDS) == {"one", "two"}
 
 

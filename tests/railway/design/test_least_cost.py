@@ -77,9 +77,9 @@ def test_a_gap_is_closed_by_proof() -> None:
 
 
 def test_without_options_there_is_one_selection() -> None:
-    """The empty one: it satisfies no demand for an option, and every demand that asks for none."""
-    nothing, something = Demand(frozenset(), frozenset()), Demand(frozenset({0}), frozenset())
+    """The empty one: it satisfies a demand that holds unless an option is chosen, and none for an option."""
+    idle, asked = Demand(frozenset(), frozenset({0})), Demand(frozenset({0}), frozenset())
     assert least([], []) == frozenset()
-    assert least([], [nothing]) == (frozenset() if nothing.holds(frozenset()) else None)
-    assert least([], [something]) is None
-    assert weights([], [something]) == {}
+    assert least([], [idle]) == frozenset()
+    assert least([], [idle, asked]) is None
+    assert weights([], [asked]) == {}

@@ -80,6 +80,23 @@ def test_records_in_reports_out(tmp_path: Path, there: Broker, speaker: Gateway)
     assert set(speaker.owners().values()) == {""}
 
 
+def test_a_process_rests_when_it_has_its_partitions(tmp_path: Path, there: Broker) -> None:
+    """While it waits for the broker's answers about them, no turn is put off."""
+    worker = Worker(there, tmp_path, gather_ms=7)
+    rests = set[float]()
+
+    def turned() -> bool:
+        worker.turn()
+        if any(one.station is None for one in worker.division.tenures.values()):
+            rests.add(worker.division.gather_s)
+        return owned(worker)
+
+    wait_for(turned, "owners")
+    worker.turn()
+    assert (rests, worker.division.gather_s) == ({0.0}, 0.007)
+    worker.stop()
+
+
 def test_a_killed_process_costs_nothing(tmp_path: Path, there: Broker, speaker: Gateway) -> None:
     """One of two is killed in the middle of a drive: each cycle has the report that it has where nobody is killed."""
     one, other = Worker(there, tmp_path / "one"), Worker(there, tmp_path / "one")
