@@ -55,20 +55,19 @@ from safeloc.language.expr import (
     BoolVar,
     Expr,
     Num,
-    NumVar,
     Var,
     all_of,
     any_of,
     as_num,
-    before,
+    before_step,
     between,
     ceil_to,
     exact_to,
     floor_to,
     ite,
-    maximum,
-    minimum,
 )
+from safeloc.language.machine import Machine
+from safeloc.language.terms import Substitution
 from safeloc.language.units import MM, UM
 from safeloc.models import area as area_model
 from safeloc.models import axle_section as axle_section_model
@@ -78,6 +77,7 @@ from safeloc.models import train_order as train_order_model
 from safeloc.models import verification as verification_model
 from safeloc.models.area import Area, AreaConfig, refuse_inner_detection
 from safeloc.models.area.separation import Following
+from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.area.world import CLEAR_CLAUSE
 from safeloc.models.axle_section import AxleSection, AxleSectionConfig
 from safeloc.models.emitter import Emitter, EmitterConfig
@@ -229,17 +229,14 @@ def joined(
 def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> dict[Var, Expr]:
     """Return the wires of the entry: counted axles, and the trains that were outermost, by the order before the step."""
     own, heads = entry.own, axle_section.own
-    ordered = before(order.machine.mode).eq(order.machine.modes[1])
-    low, *others = (before(one) for one in order.own.order)
-    high: Num = low
-    for one in others:
-        high = ite(one.ne(0), one, high)
+    earlier = _earlier(order.machine)
+    outermost = (order.machine.output(f"outermost_{side}") for side in ("low", "high"))
     return {
         own.clear: axle_section.machine.flag("clear"),
         own.axle_between: heads.axles > 0,
         own.occupied: axle_section.machine.flag("healthy") & ~axle_section.machine.flag("clear"),
-        own.counters_count: axle_section.machine.flag("healthy") & ordered,
-        **{to: _known(ordered, rank, to) for to, rank in zip(own.outermost, (low, high), strict=True)},
+        own.counters_count: axle_section.machine.flag("healthy") & earlier.bool(order.machine.flag("ordered")),
+        **{to: earlier.num(number) for to, number in zip(own.outermost, outermost, strict=True)},
         **dict(zip(own.axles_in, heads.into, strict=True)),
         **dict(zip(own.axles_out, heads.out, strict=True)),
         **dict(zip(own.passed_in, heads.true_into, strict=True)),
@@ -247,20 +244,19 @@ def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> 
     }
 
 
-def _known(ordered: Bool, rank: Num, to: NumVar) -> Num:
-    """Return the number of a train, while the order is known."""
-    return ite(ordered, maximum(minimum(rank, to.high), 0), 0)
+def _earlier(machine: Machine) -> Substitution:
+    """Return the rewriting of a machine's outputs into what they were before the step."""
+    return Substitution({var: before_step(var) for var in (machine.mode, *machine.state)})
 
 
 def _order_wires(order: TrainOrder, axle_section: AxleSection, entry: Entry) -> dict[Var, Expr]:
     """Return the wires of the order: a train that left a part behind has not left."""
-    own, passes = order.own, entry.own
-    low, high = passes.gone_at
+    own, told = order.own, entry.own
     return {
-        own.enters_low: passes.enters[0],
-        own.enters_high: passes.enters[1],
-        own.leaves_low: low,
-        own.leaves_high: high,
+        own.enters_low: told.enters[0],
+        own.enters_high: told.enters[1],
+        own.leaves_low: told.gone[0],
+        own.leaves_high: told.gone[1],
         own.clear: axle_section.machine.flag("clear"),
         own.fault: ~_counted(axle_section, entry),
     }
@@ -307,7 +303,7 @@ def _verification_wires(
         own.chain_failed: emitter.machine.flag("failed"),
         own.due: entry.own.due,
         own.reference_from: entry.own.source,
-        own.leaves: entry.own.forgotten,
+        own.leaves: entry.own.forgets,
         own.associated: any_of(one.eq(THIS) for one in order.own.belongs),
         own.next_truth: front.own.ghosts.truth,
     }
@@ -336,7 +332,7 @@ def _report_wires(
     return {
         own.trusted: trusted,
         own.count_matches_now: trusted & verified.by_count & verified.verified_ago.eq(0),
-        own.gone: entry.own.left | entry.own.enters_now,
+        own.gone: entry.own.left | entry.own.events[0].one_of(ENTERS_LOW, ENTERS_HIGH),
         own.usable: usable,
         own.low: _if(usable, low),
         own.high: _if(usable, high),
@@ -367,8 +363,7 @@ def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSect
         area.own.healthy: _counted(axle_section, entry),
         area.own.clear: axle_section.machine.flag("clear"),
         area.own.axle_between: axle_section.own.axles > 0,
-        **{other.event: entry.own.event(other.number) for other in area.own.slots[1:]},
-        slot.event: entry.own.passed_on,
+        **{one.event: event for one, event in zip(area.own.slots, entry.own.events, strict=True)},
         slot.next_all_out: entry.own.next_inside.eq(0),
         slot.rear.present: reported,
         slot.front.present: reported,

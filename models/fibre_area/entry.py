@@ -30,6 +30,7 @@ from safeloc.language.expr import (
     Bool,
     Lit,
     Num,
+    NumVar,
     all_of,
     any_of,
     as_num,
@@ -71,6 +72,9 @@ class Parts:
     due, source   messages to the verification
     inside, sure  axles of this train counted in and not out again; no count of them was missed
     left, in_part  in this cycle the whole train has left; a part of it left, and axles are still inside
+    events     of each train: it comes in or leaves in this cycle, and at which end; one that left a part behind has not left
+    gone       at this end the outermost train has left with all its axles, or one that is not known passes out
+    forgets    the reference of an earlier train with this number is no more: it has left, or another one comes in
     unannounced    axles are counted in, of no train that is known or comes in
     true_axles_inside   ghost: this train's axles in the area, with every part that it lost
     passed_in, passed_out  ghosts: axles that really pass at this end in this cycle
@@ -98,6 +102,9 @@ class Parts:
         self.left = declared.state(boolean("left"), first=False)
         self.in_part = declared.state(boolean("left_in_part"), first=False)
         self.unannounced = declared.state(boolean("unannounced"), first=False)
+        self.events = tuple(declared.state(_event(n), first=NO_EVENT) for n in range(1, trains + 1))
+        self.gone = tuple(declared.state(boolean(f"gone_{side}"), first=False) for side in sides)
+        self.forgets = declared.state(boolean("forgets"), first=False)
         self.true_axles_inside = declared.ghost(number("true_axles_inside", COUNT, 0, axle_limit), first=0)
         self.next_inside = declared.choice(number("next_axles_inside", COUNT, 0, axle_limit))
         self.passed_in = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in sides)
@@ -107,30 +114,35 @@ class Parts:
 
     # -------------------------------------------------------------- the train of a cycle
 
-    def event(self, train: int) -> Num:
-        """Return the event of one train at either end; one that passes out is the outermost there, and another one has left with all its axles."""
-        whole = TRUE if train == THIS else self.all_left[train - 2]
-        low, high = ((came.eq(train), out & last.eq(train) & whole) for came, out, last in self._ends)
-        leaves = ite(high[1], LEAVES_HIGH, NO_EVENT)
-        leaves = ite(low[1], LEAVES_LOW, leaves)
-        return ite(low[0], ENTERS_LOW, ite(high[0], ENTERS_HIGH, leaves))
+    def event(self, train: int, whole: Bool) -> Num:
+        """Return the event of one train at either end; one that passes out is the outermost there, and leaves if it is `whole`."""
+        low, high = (out & last.eq(train) & whole for _, out, last in self._ends)
+        return self._comes_in(train, ite(low, LEAVES_LOW, ite(high, LEAVES_HIGH, NO_EVENT)))
+
+    def _comes_in(self, train: int, otherwise: Num) -> Num:
+        low, high = (came.eq(train) for came in self.enters)
+        return ite(low, ENTERS_LOW, ite(high, ENTERS_HIGH, otherwise))
 
     @cached_property
     def _ends(self) -> tuple[tuple[Num, Bool, Num], ...]:
         return tuple(zip(self.enters, self.leaves, self.outermost, strict=True))
 
-    @property
-    def gone_at(self) -> tuple[Bool, Bool]:
-        """At either end, the outermost train has left with all its axles, or one that is not known passes out.
+    def told(self, left: Bool) -> Updates:
+        """Return what the later machines hear in a cycle in which all of this train has `left`, or not.
 
         A train that has left because the counters are clear is gone at the low end, whichever it left by: the order hears of it.
         """
         low, high = (
-            out & any_of([last.eq(0), last.eq(THIS) & self.left, *self._others_left(last)])
-            for _, out, last in self._ends
+            out & any_of([last.eq(0), last.eq(THIS) & left, *self._others_left(last)]) for _, out, last in self._ends
         )
-        cleared = self.left & ~self.leaving & self.outermost[0].eq(THIS)
-        return low | cleared, high
+        cleared = left & ~self.leaving & self.outermost[0].eq(THIS)
+        others = [self.event(number, whole) for number, whole in enumerate(self.all_left, 2)]
+        return {
+            self.left: left,
+            **dict(zip(self.events, [self.event(THIS, left), *others], strict=True)),
+            **dict(zip(self.gone, (low | cleared, high), strict=True)),
+            self.forgets: left | (self.enters_now & self.comes.eq(NOBODY)),
+        }
 
     def _others_left(self, outermost: Num) -> list[Bool]:
         return [outermost.eq(number) & left for number, left in enumerate(self.all_left, 2)]
@@ -138,12 +150,12 @@ class Parts:
     @cached_property
     def enters_now(self) -> Bool:
         """This train is counted in."""
-        return self.event(THIS).one_of(ENTERS_LOW, ENTERS_HIGH)
+        return self._comes_in(THIS, NO_EVENT).ne(NO_EVENT)
 
     @cached_property
     def leaving(self) -> Bool:
         """The running part of this train has passed out."""
-        return self.event(THIS).one_of(LEAVES_LOW, LEAVES_HIGH)
+        return self.event(THIS, TRUE).one_of(LEAVES_LOW, LEAVES_HIGH)
 
     def of_this(self, axles: tuple[Num, ...]) -> Num:
         """Return how many of the axles at both ends are this train's: it comes in there, or was the outermost and nobody comes in."""
@@ -177,16 +189,6 @@ class Parts:
         """The counters report an empty area, into which this train does not come."""
         return self.clear & ~self.enters_now
 
-    @property
-    def forgotten(self) -> Bool:
-        """The reference of an earlier train with this number is no more: it has left, or another one comes in."""
-        return self.left | (self.enters_now & self.comes.eq(NOBODY))
-
-    @property
-    def passed_on(self) -> Num:
-        """The event for the area: a train that left a part behind has not left."""
-        return ite(self.leaving & ~self.left, NO_EVENT, self.event(THIS))
-
 
 Entry = Model[Parts]
 
@@ -194,6 +196,11 @@ Entry = Model[Parts]
 def parts(*, trains: int, wait_cycles: int, axle_limit: int, axles_a_cycle: int) -> Parts:
     """Return fresh variables of one train of up to `axle_limit` axles, the first of `trains`."""
     return Parts(trains, wait_cycles, axle_limit, axles_a_cycle)
+
+
+def _event(train: int) -> NumVar:
+    name = "event" if train == THIS else f"event_of_train_{train}"
+    return choice(name, enumeration((NO_EVENT, ENTERS_LOW, ENTERS_HIGH, LEAVES_LOW, LEAVES_HIGH)))
 
 
 def build(own: Parts) -> Entry:
@@ -213,6 +220,9 @@ def build(own: Parts) -> Entry:
             "left": own.left,
             "left_in_part": own.in_part,
             "unannounced": own.unannounced,
+            **{one.name: one for one in own.events},
+            **{one.name: one for one in own.gone},
+            "forgets": own.forgets,
         },
         transitions=list(_table(own, table)),
         world=own.declared.world(moves={own.true_axles_inside: own.next_inside}, clauses=_clauses(own)),
@@ -276,11 +286,11 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     stays: Updates = {
         own.inside: ite(own.counted, own.balance, as_num(0, COUNT)),
         own.sure: own.counted,
-        own.left: FALSE,
         own.unannounced: own.of_nobody,
         own.in_part: ~own.enters_now & (own.in_part | own.leaving),
+        **own.told(FALSE),
     }
-    gone: Updates = {own.inside: 0, own.sure: TRUE, own.left: TRUE, own.in_part: FALSE, own.unannounced: FALSE}
+    gone: Updates = {own.inside: 0, own.sure: TRUE, own.in_part: FALSE, own.unannounced: FALSE, **own.told(TRUE)}
     not_due: Updates = {own.due: False, own.source: NOBODY}
     answered = together(stays, {own.waited: 0, own.due: True, own.source: own.comes})
     overdue = together(stays, {own.waited: 0, own.due: True, own.source: NOBODY})

@@ -10,9 +10,9 @@ first belongs to the first, and so on; otherwise none belongs to any train.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from safeloc.language.expr import Lit, any_of
+from safeloc.language.expr import Lit, Num, any_of, ite
 from safeloc.language.machine import Machine, Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.models.train_order.cycle import Cycle
@@ -44,6 +44,8 @@ def build(own: Parts) -> TrainOrder:
             "ordered": current.eq(table[1]),
             "associated": any_of(one > 0 for one in own.belongs),
             **{f"train_of_pattern_{n}": one for n, one in enumerate(own.belongs, 1)},
+            "outermost_low": own.order[0],
+            "outermost_high": _last(own.order),
         },
         transitions=list(_table(own, cycle, table)),
         world=world(own),
@@ -56,6 +58,14 @@ def build(own: Parts) -> TrainOrder:
         ),
     )
     return Model(made, own)
+
+
+def _last(order: Sequence[Num]) -> Num:
+    """Return the last number of the order that is a train's; 0 if there is none."""
+    last = order[0]
+    for one in order[1:]:
+        last = ite(one.ne(0), one, last)
+    return last
 
 
 def _table(own: Parts, cycle: Cycle, table: tuple[Lit, ...]) -> Iterator[Transition]:

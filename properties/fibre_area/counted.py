@@ -86,8 +86,13 @@ class _Counted:
     @cached_property
     def of_nobody(self) -> Bool:
         """Axles are counted in, no train was known in the area, and none comes in."""
-        comes = any_of(self.entry.num(one) > 0 for one in self.model.entry.own.enters)
-        return self.counting & ~self.is_clear & ~comes & all_of(last < 1 for last in self.was_outermost)
+        return self.counting & ~self.is_clear & ~self.anyone_enters & all_of(last < 1 for last in self.was_outermost)
+
+    @cached_property
+    def anyone_enters(self) -> Bool:
+        """A train comes in, at either end."""
+        low, high = (self.entry.num(one) for one in self.model.entry.own.enters)
+        return low + high > 0
 
     @cached_property
     def enters(self) -> Bool:
@@ -360,8 +365,7 @@ def _one_enters(seen: _Counted) -> Bool:
 def _any_event_but_this(seen: _Counted) -> Bool:
     """A train comes in, or another one than this goes out."""
     own = seen.model.entry.own
-    comes = any_of(seen.entry.num(one) > 0 for one in own.enters)
-    return comes | any_of(
+    return seen.anyone_enters | any_of(
         seen.entry.bool(out) & last.ne(1) for out, last in zip(own.leaves, seen.was_outermost, strict=True)
     )
 
