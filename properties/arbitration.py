@@ -132,10 +132,10 @@ def _stated(model: Arbitration) -> Iterator[Property]:
         own.reason.eq(LOCATED).iff(given),
         "the machine gives a reason exactly while it reports no position",
     )
-    accepted = any_of(source.valid & source.reference for source in own.sources)
+    none_accepted = all_of(~source.valid | ~source.reference for source in own.sources)
     yield _free(
         "a reference is reported when it is accepted",
-        model.machine.flag("reference_accepted").iff(given & accepted),
+        model.machine.flag("reference_accepted").iff(given & ~none_accepted),
         "a reference is reported exactly in a step in which a position is reported and a valid source accepted a reference",
     )
     unnamed = own.first.eq(nobody) & own.second.eq(nobody)
@@ -150,20 +150,20 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
     machine, own = model.machine, model.own
     given, _, _ = _given(model)
     lost = earlier_bool(given) & ~given
-    valid = any_of(source.valid for source in own.sources)
+    silent = all_of(~source.valid for source in own.sources)
     apart = any_of(_apart(one, other) for one in own.sources for other in own.sources if one is not other)
     contradicted = own.reason.eq(CONTRADICTION)
     if len(own.sources) > 1:
         yield _free(
             "a contradiction is the reason",
-            (lost & valid).implies(contradicted.iff(apart)),
+            (lost & ~silent).implies(contradicted.iff(apart)),
             "the machine withdraws a position for a contradiction exactly if two valid sources exclude each other",
         )
     for source, mode in zip(own.sources, machine.modes[1:], strict=True):
         why = ite(source.reason.eq(LOCATED), NO_REFERENCE, source.reason)
         yield _free(
             f"the reason of {source.name} is passed on",
-            (lost & ~valid & before(machine.mode).eq(mode)).implies(own.reason.eq(why)),
+            (lost & silent & before(machine.mode).eq(mode)).implies(own.reason.eq(why)),
             f"where {source.name} led and no source states an interval any more, the reported reason is the one of {source.name}",
         )
     too_wide = own.reason.eq(TOLERANCE)
@@ -176,10 +176,10 @@ def _withdrawn(model: Arbitration) -> Iterator[Property]:
         (lost & narrow).implies(~too_wide),
         "the machine does not withdraw a position for its tolerance if the part that all sources have in common is no wider than that",
     )
-    lags = own.reason.eq(SENSOR_FAILURE) & valid
+    lags = own.reason.eq(SENSOR_FAILURE) & ~silent
     yield _free(
         "withdrawn for a reason",
-        (lost & valid).implies(contradicted | too_wide | lags),
+        (lost & ~silent).implies(contradicted | too_wide | lags),
         "while a source gives an interval, the machine withdraws a position only for a contradiction, its tolerance, or a lag beyond its limit",
     )
 

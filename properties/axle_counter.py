@@ -197,7 +197,8 @@ def _longest(own: Parts) -> Num:
 def _has_passed(model: AxleCounter) -> Bool:
     """Return the condition that a passage goes on without an axle, and its train has certainly run farther than two axles are apart."""
     own, passing = model.own, model.machine.modes[2]
-    slowest = maximum(before(own.speed_low) - _change_mm_s(own), -own.config.max_speed_mm_s)
+    change, top = _change_mm_s(own), own.config.max_speed_mm_s
+    slowest = maximum(before(own.speed_low), change - top) - change
     past = before(own.past_low) + slowest * Lit(own.config.period_ms, MS)
     return (
         before(model.machine.mode).eq(passing) & own.axle.eq(NO_AXLE) & (past > Lit(own.config.axle_gap_mm * 1_000, UM))

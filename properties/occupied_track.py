@@ -94,23 +94,23 @@ def _possible(model: OccupiedTrack, index: int) -> Iterator[_Possible]:
     own, slot, entry = model.own, model.own.slots[index], model.own.entries[index]
     was, start, length = before(slot.edge), before(slot.origin), before(slot.length)
     was_there = was > 0
-    stays = tuple(_is(one, was, start) & one.length.eq(length) for one in own.offers)
+    stays = tuple(one.origin.eq(start) & _ends_at(one, start + length) & one.edge.eq(was) for one in own.offers)
     yield _Possible("its own edge", was_there & ~_beside(model, start, length), stays)
     over = was_there & (own.high - start > length) & ~own.surely_not_ahead
     for which, edge in _at(entry.ahead):
-        leads = edge.ne(0) & _leads(entry.ahead, which)
-        yield _Possible(
-            f"the {which} edge ahead", over & leads, tuple(_is(one, edge, start + length) for one in own.offers)
-        )
+        leads = (edge > 0) & _leads(entry.ahead, which)
+        begins = tuple((one.origin - start).eq(length) & one.edge.eq(edge) for one in own.offers)
+        yield _Possible(f"the {which} edge ahead", over & leads, begins)
     back = was_there & (start - own.low > 0) & ~own.surely_not_back
     for which, edge in _at(entry.behind):
-        leads = edge.ne(0) & _leads(entry.behind, which)
-        ends = tuple(one.edge.eq(edge) & (one.origin + one.length).eq(start) for one in own.offers)
+        leads = (edge > 0) & _leads(entry.behind, which)
+        ends = tuple(_ends_at(one, start) & one.edge.eq(edge) for one in own.offers)
         yield _Possible(f"the {which} edge behind", back & leads, ends)
 
 
-def _is(offer: Offer, edge: Num, start: Num) -> Bool:
-    return offer.edge.eq(edge) & offer.origin.eq(start)
+def _ends_at(offer: Offer, place: Num) -> Bool:
+    """Return whether the end of an offered edge is at a place along the route."""
+    return (offer.origin + offer.length).eq(place)
 
 
 def _at(joint: Joint) -> Iterator[tuple[str, Num]]:

@@ -101,6 +101,7 @@ def _position_law(own: Parts) -> Law:
         source="[D] containment of the localizer, whose own proof it is",
         owner="supplier",
         check="replayed recordings with a known true position",
+        shares="an interval whose ends are exchanged is no position, for the machine as for the law, which says nothing of it",
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from safeloc.language.expr import FALSE, Bool, Num, all_of, any_of, as_num, before, between, exact_to, ite
+from safeloc.language.expr import FALSE, Bool, Num, abs_, all_of, any_of, as_num, before, between, exact_to, ite
 from safeloc.language.spec import Property, always
 from safeloc.language.units import MM, NM
 from safeloc.models.reflector import ReflectorMachine
@@ -161,7 +161,7 @@ class _Cycle:
 
     @cached_property
     def _next_known(self) -> Bool:
-        return self.own.ahead.position.present & self.own.ahead.model.ne(NO_MODEL)
+        return self.own.ahead.model.ne(NO_MODEL) & self.own.ahead.position.present
 
     @cached_property
     def _constant(self) -> Num:
@@ -180,7 +180,7 @@ class _Cycle:
     def _predicted(self) -> Interval:
         """The interval before the cycle, run on."""
         own, track = self.own, self.own.track
-        more = law_nm(own) + ite(was(self.model, "VIEW"), self._constant, as_num(0, NM))
+        more = ite(was(self.model, "VIEW"), law_nm(own) + self._constant, law_nm(own))
         return Interval(before(track.position) + ran_mm(own), before(track.above) + more, before(track.below) + more)
 
     @cached_property
@@ -223,7 +223,7 @@ class _Cycle:
 
     def _bare(self, slot: Slot, sought: _Sought) -> Interval:
         """Return the interval by the echo, if the radar has no systematic error."""
-        return Interval(sought.place - slot.range.value, *echo_sides(self.own, slot.range.value, slot.error))
+        return Interval(-slot.range.value + sought.place, *echo_sides(self.own, slot.range.value, slot.error))
 
     def _fix(self, slot: Slot, sought: _Sought) -> Interval:
         bare, (long, short) = self._bare(slot, sought), self._open
@@ -237,7 +237,7 @@ class _Cycle:
     def _tolerable(self, interval: Interval) -> Bool:
         config = self.own.config
         most = exact_to(as_num(config.tolerance_mm, MM), NM)
-        on_line = between(-config.position_limit_mm, interval.position, config.position_limit_mm)
+        on_line = abs_(interval.position) <= config.position_limit_mm
         return (interval.above <= most) & (interval.below <= most) & on_line
 
     def exact(self, slot: Slot, sought: _Sought) -> Bool:
@@ -260,7 +260,7 @@ class _Cycle:
         line = ite(
             self.starts, _or_zero(own.balise.search_from.present, own.balise.search_from.value), before(own.search_from)
         )
-        by_map = self._held.high >= exact_to(sought.place - sought.view_from, NM)
+        by_map = self._held.high + exact_to(sought.view_from, NM) >= exact_to(sought.place, NM)
         sought_here = ite(line.eq(0), by_map, self._run >= line)
         spread = self._known.width + bare.width
         narrow = spread <= exact_to(as_num(own.config.reference_tolerance_mm, MM), NM)
@@ -300,7 +300,7 @@ class _Cycle:
     def next_in_view(self, ahead: _Sought) -> Bool:
         """Return whether the map has another reflector whose view zone may have begun, and no equal one within the interval."""
         other = self.own.ahead.position.value.ne(before(self.own.target.position))
-        begun = self._held.high >= exact_to(ahead.place - ahead.view_from, NM)
+        begun = self._held.high + exact_to(ahead.view_from, NM) >= exact_to(ahead.place, NM)
         return all_of([self._next_known, other, begun, exact_to(ahead.clear, NM) > self._held.width])
 
     def measured(self, sought: _Sought, fits: Callable[[Slot, _Sought], Bool]) -> Bool:

@@ -63,7 +63,7 @@ def _told_apart(model: ReflectorMachine) -> Iterator[Property]:
     """Yield the properties that echoes are told apart by the model of what they truly come from, in both directions."""
     own, ahead = model.own, model.own.ahead.model
     sought = model.machine.flag("valid") & (was(model, "REFERENCE", "SEARCH", *IN_ZONE) | begun(own))
-    of_map = own.ahead.position.present & ahead.ne(NO_MODEL)
+    of_map = ahead.ne(NO_MODEL) & own.ahead.position.present
     for name, known, of, verdicts in (
         ("target", sought, looked_for_model(own), [slot.last_verdict for slot in own.slots]),
         ("next reflector", of_map, ahead, [slot.last_verdict_for_next for slot in own.slots]),

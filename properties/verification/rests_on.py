@@ -60,14 +60,14 @@ def _last_verification(model: Verification) -> Iterator[Property]:
 def _comparisons(model: Verification) -> Iterator[Property]:
     """Claim that the other comparisons are reported exactly if they were made."""
     machine, own = model.machine, model.own
-    at_counter = own.due & own.reference_from.eq(v.AXLE_COUNTER) & own.associated
-    for output, made, earlier in (
-        ("verified_speed_at_entry", at_counter & own.fibre_speed.present, own.by_speed_at_entry),
-        ("verified_place_at_entry", at_counter & own.located & own.fibre_position.present, own.by_place_at_entry),
+    elsewhere = ~own.due | own.reference_from.ne(v.AXLE_COUNTER) | ~own.associated
+    for output, unread, earlier in (
+        ("verified_speed_at_entry", ~own.fibre_speed.present, own.by_speed_at_entry),
+        ("verified_place_at_entry", ~own.located | ~own.fibre_position.present, own.by_place_at_entry),
     ):
         yield for_all_inputs(
             f"{output} is reported if it was compared",
-            _followed(model).implies(machine.flag(output).iff(made | (~own.due & was(earlier)))),
+            _followed(model).implies(machine.flag(output).iff(~(elsewhere | unread) | (~own.due & was(earlier)))),
             statement=f"{output} is reported exactly if the record came from a counter and the fibre read the train there",
             requirements=ENTRY,
         )
@@ -139,7 +139,7 @@ def _given(model: Verification) -> Iterator[Property]:
 def _stored(model: Verification) -> Iterator[Property]:
     """Claim that the last reading of each kind stays stored, with the margins of the last place."""
     own, position = model.own, model.own.fibre_position
-    placed = own.associated & own.located & position.present
+    placed = ~(~own.associated | ~own.located | ~position.present)
     readings = (
         (placed, own.front, position.value),
         (placed, own.last_place, position.value),

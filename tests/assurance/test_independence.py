@@ -16,6 +16,7 @@ from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
 from safeloc.language.units import MM
 from safeloc.language.world import Law, World
+from safeloc.shipped_machines import ENTRIES
 from safeloc.target import Target
 
 ON, OFF = modes("ON", "OFF")
@@ -157,24 +158,7 @@ def test_what_an_output_may_be_is_put_out() -> None:
     assert [] == shared_terms(Target("m", (chosen,), lower(chosen), (claim,)))
 
 
-@pytest.mark.thorough(ordinary=3)
-@pytest.mark.parametrize(
-    "name",
-    [
-        "odometry",
-        "delocalized",
-        "balise",
-        "unlinked_group",
-        "stop_point",
-        "fibre_area",
-        "transmission",
-        "satellite",
-        "guard",
-        "marker_device",
-        "reflector_device",
-        "localizer",
-    ],
-)
+@pytest.mark.parametrize("name", ENTRIES)
 def test_a_shipped_machine_shares_nothing_without_a_reason(name: str) -> None:
     """Each part that a law has in common with its machine has a written reason; claims have none in common."""
     shared = shared_terms(load_target(name))
