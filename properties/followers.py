@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite, maximum, minimum
+from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, ite, minimum
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
 from safeloc.language.terms import Substitution
 from safeloc.language.units import MM, MS_PER_S
@@ -64,7 +64,7 @@ class _Seen:
     @property
     def _far(self) -> Num:
         """Return the farthest that a follower can have run in the cycle."""
-        started = ite(self._enters, self._place, maximum(earlier_num(self._bound), self._place))
+        started = ite(self._was_none | self._enters, self._place, earlier_num(self._bound))
         return minimum(started + self._step, self._limit)
 
     @property

@@ -69,7 +69,7 @@ class Step:
         """Greatest error of an admitted distance, nm: the rate above the knee, and the floor over a cycle."""
         law, period = self.model.own.config.odometer, self.model.own.config.period_ms
         step = self.model.own.odometer.measured.value
-        far = maximum(step, -step)
+        far = ite(step < 0, -step, step)
         above = maximum(far - law.knee_mm_s * period // 1_000, 0) if law.knee_mm_s else far
         return exact_to(Lit(law.floor_mm_s * period, UM), NM) + with_unit(above * law.rate_ppm, NM)
 

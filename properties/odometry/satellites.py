@@ -181,8 +181,11 @@ def _meets(model: Odometry, given: SatelliteReader) -> Bool:
     for device in model.own.devices:
         wider: Num = as_num(wider_mm * NM_PER_MM, NM)
         if drift and not config.single_fault_safe:
-            age = earlier_num(device.age) + config.period_ms
-            wider = wider + run_mm * NM_PER_MM + with_unit(age * (drift * config.period_ms), NM)
+            before, now = (
+                with_unit(earlier_num(device.age) * (drift * config.period_ms), NM),
+                drift * config.period_ms**2,
+            )
+            wider = wider + run_mm * NM_PER_MM + before + now
         met += [_overlaps(unit, low - wider, high + wider) for unit in device.units]
     return any_of(met)
 

@@ -115,7 +115,7 @@ class Step:
         """
         config = self.model.own.config
         law, step = config.odometer, self.model.own.odometer.measured.value
-        far = maximum(step, -step)
+        far = ite(step < 0, -step, step)
         above = maximum(far - law.knee_mm_s * config.period_ms // 1_000, 0) if law.knee_mm_s else far
         lawful = exact_to(Lit(law.floor_mm_s * config.period_ms, UM), NM) + with_unit(above * law.rate_ppm, NM)
         return ite(self.admitted, lawful, self.reach(config.period_ms))

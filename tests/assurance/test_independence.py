@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from safeloc.assurance.independence import Shared, by_term, follows_machine, shared_terms
-from safeloc.catalogue import load_target
+from safeloc.catalogue import configured
 from safeloc.errors import ModelError
 from safeloc.language.composition import compose
 from safeloc.language.expr import Bool, NumVar, before, boolean, choice, enumeration, ite, members, number
@@ -158,12 +158,14 @@ def test_what_an_output_may_be_is_put_out() -> None:
     assert [] == shared_terms(Target("m", (chosen,), lower(chosen), (claim,)))
 
 
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("name", ENTRIES)
 def test_a_shipped_machine_shares_nothing_without_a_reason(name: str) -> None:
-    """Each part that a law has in common with its machine has a written reason; claims have none in common."""
-    shared = shared_terms(load_target(name))
-    assert [] == [(one.of, one.term) for one in shared if not one.reason]
-    assert [] == [one.of for one in shared if one.of.startswith("property")]
+    """In each configuration each part that a law has in common with its machine has a written reason; claims have none in common."""
+    for _, target in configured(name, ["all"]):
+        shared = shared_terms(target)
+        assert [] == [(one.of, one.term) for one in shared if not one.reason]
+        assert [] == [one.of for one in shared if one.of.startswith("property")]
 
 
 def test_a_law_that_reads_state_is_refused_without_a_reason() -> None:
