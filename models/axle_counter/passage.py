@@ -35,7 +35,7 @@ class AxleCounterConfig(Config):
     """Figures of the record."""
 
     period_ms: int = quantity(100, "ms", 1, 1_000, "[S] EVC cycles <= 100 ms; several axles may pass in one")
-    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h, rounded up")
     change_mm_s2: int = quantity(1_500, "mm/s2", 1, 5_000, "[M, fairly sure] traction and brake, figures section 2")
     axles_a_cycle: int = quantity(10, "axles", 1, 400, "[D] 1.8 m apart at 350 km/h in 100 ms: 6, with room")
     axle_gap_mm: int = quantity(

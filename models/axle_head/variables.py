@@ -22,7 +22,7 @@ class AxleHeadConfig(Config):
     overlap_mm: int = quantity(60, "mm", 1, 1_000, "[M, unsure] shortest stretch in which a wheel damps both channels")
     spacing_mm: int = quantity(150, "mm", 1, 1_000, "[M, unsure] between the two channels")
     spacing_error_mm: int = quantity(2, "mm", 0, 100, "[M, unsure]")
-    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h, rounded up")
 
     @model_validator(mode="after")
     def _sampled_often_enough(self) -> AxleHeadConfig:

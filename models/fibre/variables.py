@@ -56,7 +56,7 @@ class FibreConfig(Config):
     edge_tolerance_mm: int = quantity(30_000, "mm", 1, 1_000_000, "[D] gauge, pulse and window; [S] l. 160: 5 to 10 m")
     rate_ppm: int = quantity(60_000, "ppm", 0, 200_000, "[D] measured over simulation (docs/fibre.md); bogies: 5 000")
     floor_mm: int = quantity(2_000, "mm", 0, 10_000, "[D] measured: of the run of one cycle")
-    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h, rounded up")
     gap_limit_cycles: int = quantity(4, "cycles", 0, 1_000, "[M] 2 s without the pattern")
     tolerance_mm: int = quantity(
         400_000, "mm", 1, 100_000_000, "[D] a kilometre between sections at 15 m/s, and silence"

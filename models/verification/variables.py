@@ -42,7 +42,7 @@ class VerificationConfig(Config):
     length_limit_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     position_limit_mm: int = quantity(1_000_000_000, "mm", 1_000, 10_000_000_000, "[D] 1 000 km of line")
     margin_limit_mm: int = quantity(500_000, "mm", 1, 100_000_000, "[D] a wider interval is of no use")
-    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h")
+    max_speed_mm_s: int = quantity(100_000, "mm/s", 1, 138_889, "[M, sure] 350 km/h, rounded up")
     length_tolerance_mm: int = quantity(
         40_000, "mm", 0, 200_000, "[D] of the front end, measured; [S] l. 160: 10 to 20 m"
     )

@@ -125,7 +125,7 @@ class Detection(Config):
         50_000, "mm", 0, 1_000_000, "[D] a source that never moved that far is not reported as a train"
     )
     overhang_mm: int = quantity(4_500, "mm", 0, 20_000, "[M] vehicle beyond its outermost axle")
-    most_speed_mm_s: int = quantity(100_000, "mm/s", 1_000, 200_000, "[M, fairly sure] 350 km/h")
+    most_speed_mm_s: int = quantity(100_000, "mm/s", 1_000, 200_000, "[M, fairly sure] 350 km/h, rounded up")
     most_change_mm_s2: int = quantity(1_500, "mm/s2", 100, 5_000, "[M] traction and brake")
     most_length_mm: int = quantity(1_500_000, "mm", 10_000, 10_000_000, "[M] longest train")
     least_length_mm: int = quantity(5_000, "mm", 0, 1_000_000, "[M] shorter is no vehicle")
