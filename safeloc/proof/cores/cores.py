@@ -14,8 +14,9 @@ from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved
 from safeloc.proof.cores.elements import Asked, Element, asked, asked_of_the_world
 from safeloc.proof.cores.steps import Switched
+from safeloc.proof.provers.by_its_machine import inherited
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.portfolio import inherited, prove_one
+from safeloc.proof.provers.portfolio import prove_one
 from safeloc.proof.provers.proved_base import Base, base
 
 _QUESTION_SHARE = 0.2

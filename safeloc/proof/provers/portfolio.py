@@ -11,37 +11,34 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal, assert_never
 
-from safeloc.codegen.smtlib import Query
 from safeloc.errors import PropertyError
-from safeloc.language.composition import inherited_term
-from safeloc.language.expr import TRUE, Bool
+from safeloc.language.expr import TRUE
 from safeloc.language.spec import Goal, Property, always, observe
-from safeloc.language.system import Part, TransitionSystem, in_range
-from safeloc.language.terms import alike, variables
+from safeloc.language.system import TransitionSystem
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Verdict, Violated
 from safeloc.proof.provers import antecedents
 from safeloc.proof.provers.before_forking import prepare
 from safeloc.proof.provers.beyond_depth import longer
 from safeloc.proof.provers.bmc import bmc
+from safeloc.proof.provers.by_its_machine import by_its_machine
 from safeloc.proof.provers.case_search import CaseSearch
 from safeloc.proof.provers.dead_ends import further_assumption_lasts
 from safeloc.proof.provers.dropped import Dropped, broken
 from safeloc.proof.provers.escape import escape
-from safeloc.proof.provers.facts import Fact, about, contract_of
+from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.implication import Undecided
 from safeloc.proof.provers.inherited import contract_properties, contracts
-from safeloc.proof.provers.kinduction import given_facts, kinduction
-from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import CLOCK, Limits, deadline
 from safeloc.proof.provers.proved_base import Base, base, known_base, ranges_and_lemmas, remember
 from safeloc.proof.provers.reached import reached
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Witnesses
-from safeloc.proof.provers.relevance import relevance
 from safeloc.proof.provers.replayed_evidence import confirmed
-from safeloc.proof.provers.settle import Settled, settled
 from safeloc.proof.provers.spacer import CLAIMED, spacer
 from safeloc.proof.provers.verdicts_as_data import Packed, hold_for_forked, pack, pack_base, unpack, unpack_base
+from safeloc.proof.provers.without_lemmas import TOGETHER_SHARE, by_induction, searched_together
 from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
 
@@ -160,16 +157,46 @@ class Proving:
                 self._keep(index, fact)
         if dropped:
             queue.add(_search(self._system, [*dropped.values()], self._limits), partial(self._receive_search, dropped))
-        for index, prop in enumerate(self._properties, len(facts)):
-            claim = _property_claim(self._system, prop, self._cases.known_runs)
-            queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
+        claims = {
+            index: _property_claim(self._system, prop, self._cases.known_runs)
+            for index, prop in enumerate(self._properties, len(facts))
+        }
+        together = searched_together(self._system, self._properties) if dropped else frozenset[Property]()
+        unproved = _Unproved(len(together), partial(self._search_together, queue))
+        for index, claim in claims.items():
+            if claim.goal.prop in together:
+                proving = replace(claim, prover=by_induction)
+                queue.add(_task(proving, self._limits), partial(self._receive_induction, unproved, index, proving))
+            else:
+                queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
 
     def _receive_search(self, dropped: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
-        each: Sequence[Packed | Lost] = [packed] * len(dropped) if isinstance(packed, Lost) else packed
-        for (index, fact), one in zip(dropped.items(), each, strict=True):
-            verdict = _received(one, fact.goal)
+        for index, fact, verdict in _each(dropped, packed):
             method = "1-induction, bounded search" if isinstance(verdict, Unknown) else _method(verdict)
             self._keep(index, _finding(fact.goal, "lemma", verdict, method, seconds))
+
+    def _receive_induction(
+        self, unproved: _Unproved, index: int, claim: _Claim, packed: Packed | Lost, seconds: float
+    ) -> None:
+        verdict = _received(packed, claim.goal)
+        if isinstance(verdict, Unknown):
+            unproved.add(index, Dropped(claim.goal, f"k-induction without some lemmas: {verdict.reason}"))
+        else:
+            self._receive(index, claim, packed, seconds)
+            unproved.add(index, None)
+
+    def _search_together(self, queue: Queue, unproved: Mapping[int, Dropped]) -> None:
+        """Add one search for the runs that break these claims; for all inputs and under the assumption are two."""
+        for free in (True, False):
+            some = {index: fact for index, fact in unproved.items() if fact.goal.prop.unconditional == free}
+            if some:
+                limits = replace(self._limits, seconds=self._limits.seconds * TOGETHER_SHARE)
+                queue.add(_search(self._system, [*some.values()], limits), partial(self._receive_claims, some))
+
+    def _receive_claims(self, unproved: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
+        for index, fact, verdict in _each(unproved, packed):
+            method = "k-induction, bounded search" if isinstance(verdict, Unknown) else _method(verdict)
+            self._keep(index, _finding(fact.goal, "property", verdict, method, seconds))
 
     def _receive(self, index: int, claim: _Claim, packed: Packed | Lost, seconds: float) -> None:
         verdict = _received(packed, claim.goal)
@@ -186,6 +213,27 @@ class Proving:
     def _keep(self, index: int, finding: Finding) -> None:
         self._found[index] = finding
         self._tell(finding)
+
+
+class _Unproved:
+    """Claims that induction did not prove; `then` gets all of them at once, when the last of `expected` claims is here."""
+
+    def __init__(self, expected: int, then: Callable[[Mapping[int, Dropped]], None]) -> None:
+        self._left, self._then, self._facts = expected, then, dict[int, Dropped]()
+
+    def add(self, index: int, fact: Dropped | None) -> None:
+        """Note a claim; None if it was proved."""
+        self._left -= 1
+        if fact is not None:
+            self._facts[index] = fact
+        if not self._left and self._facts:
+            self._then(self._facts)
+
+
+def _each(facts: Mapping[int, Dropped], packed: list[Packed] | Lost) -> Iterator[tuple[int, Dropped, Verdict]]:
+    each: Sequence[Packed | Lost] = [packed] * len(facts) if isinstance(packed, Lost) else packed
+    for (index, fact), one in zip(facts.items(), each, strict=True):
+        yield index, fact, _received(one, fact.goal)
 
 
 def _check_names(properties: Sequence[Property]) -> None:
@@ -268,73 +316,28 @@ def _property_claim(system: TransitionSystem, prop: Property, recordings: Sequen
 
 
 def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
-    """Prove a property on the machine alone; else on the composition.
-
-    The machine alone is enough if its inputs are in range and its assumption is discharged.
-    """
-    of_machine = inherited(goal)
-    if of_machine is None:
-        return prove_one(goal, limits)
-    part, of_part = of_machine
-    known = base(goal.original, seconds=limits.seconds)
-    free = of_part.unconditional and part.alone.ghosts.isdisjoint(variables([of_part.term]))
-    discharged = free or part.contract is TRUE or contract_of(part) in known.kept
-    if not discharged or part.name not in known.in_range:
-        return prove_one(goal, limits)
-    first, half = _at_first(goal, known, limits), replace(limits, seconds=limits.seconds / 2)
-    verdict = prove_one(observe(part.alone, of_part), half) if not first.failed else None
-    if isinstance(verdict, Proved):
-        texts = {**known.certificates, **verdict.certificates, **first.texts}
-        engine, by = f"{verdict.engine} of {part.name} by itself", confirmed_by(texts)
-        return replace(verdict, invariant=None, engine=engine, rechecked=by, certificates=texts)
-    if isinstance(verdict, Violated):
-        return _of_the_composition(goal, part, of_part, half)
-    return prove_one(goal, half)
+    """Prove a property on the machine alone; else on the composition."""
+    half = replace(limits, seconds=limits.seconds / 2)
+    match by_its_machine(goal, limits, lambda alone: prove_one(alone, half)):
+        case None:
+            return prove_one(goal, limits)
+        case Proved() as verdict:
+            return verdict
+        case Violated():
+            return _of_the_composition(goal, half)
+        case _:
+            return prove_one(goal, half)
 
 
-def _of_the_composition(goal: Goal, part: Part, of_part: Property, limits: Limits) -> Verdict:
+def _of_the_composition(goal: Goal, limits: Limits) -> Verdict:
     """Decide a claim that a machine breaks by itself on the composition, whose wires may exclude the run."""
-    verdict = _in_turn(_QUICK, goal, limits)
-    if not isinstance(verdict, Unknown):
+    verdict, machine_and_claim = _in_turn(_QUICK, goal, limits), goal.prop.kept_by
+    if not isinstance(verdict, Unknown) or machine_and_claim is None:
         return verdict
+    machine, claim = machine_and_claim
     return replace(
-        verdict, reason=f"{part.name} by itself breaks {of_part.name!r}; in the composition {verdict.reason}"
+        verdict, reason=f"{machine.name} by itself breaks {claim.name!r}; in the composition {verdict.reason}"
     )
-
-
-def inherited(goal: Goal) -> tuple[Part, Property] | None:
-    """Return the machine and its own property if the claim about the composition is exactly that property."""
-    if goal.prop.kept_by is None:
-        return None
-    machine, of_part = goal.prop.kept_by
-    part = next((part for part in goal.original.parts if part.machine is machine), None)
-    plain = (
-        of_part.kind == goal.prop.kind == "always"
-        and of_part.further_assumption is goal.prop.further_assumption is TRUE
-    )
-    if part is None or not plain or of_part.unconditional != goal.prop.unconditional:
-        return None
-    return (part, of_part) if alike(inherited_term(part.into, of_part), goal.prop.term) else None
-
-
-def _at_first(goal: Goal, known: Base, limits: Limits) -> Settled[str]:
-    """Prove in the first state a property that is inherited from a machine.
-
-    A property of steps becomes one of states if an input is wired; it then has to hold in the first state too. What is said of
-    other machines is left out, unless that is not enough.
-    """
-    if goal.observers:
-        return Settled({}, {})
-    first = [goal.system.init, in_range(goal.system.state), *given_facts(goal, known)]
-    needed, ends = relevance(goal.original).select(first, [goal.good]), deadline(limits.seconds)
-    settled_ = _first_state(goal, known, needed, ends)
-    return settled_ if not settled_.failed else _first_state(goal, known, first, ends)
-
-
-def _first_state(goal: Goal, known: Base, first: Sequence[Bool], ends: Deadline) -> Settled[str]:
-    head = about(goal.original, "first state", property=goal.prop.name)
-    query = Query(f"{goal.original.name} {goal.prop.name} first state", first, {"good": goal.good}, head)
-    return settled(query, ends, list(known.certificates))
 
 
 def _facts(system: TransitionSystem, known: Base, seconds: float) -> list[Finding | Dropped]:

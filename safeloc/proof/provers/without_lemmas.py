@@ -1,0 +1,37 @@
+"""Claims of a composition of which some lemmas are not proved: each is tried by induction, and what is left is searched together.
+
+One wrong term of one machine loses lemmas, and with them the proofs of many claims of every composition that holds the machine. All engines
+for each of them took the whole limit claim by claim: minutes, to say of a claim what its machine's own report says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from safeloc.language.expr import TRUE
+from safeloc.language.spec import Goal, Property
+from safeloc.language.system import TransitionSystem
+from safeloc.language.verdict import Proved, Verdict
+from safeloc.proof.provers.by_its_machine import by_its_machine
+from safeloc.proof.provers.kinduction import kinduction
+from safeloc.proof.provers.limits import Limits
+
+TOGETHER_SHARE = 1 / 3
+"""Share of the limit of one claim for the search for runs that break any of those that are left."""
+_SHARE = 0.1
+"""Share of the limit for a proof by induction: those that need no lost lemma are quick, and the others mostly end with a counterexample."""
+
+
+def searched_together(system: TransitionSystem, properties: Iterable[Property]) -> frozenset[Property]:
+    """Return the claims that are decided in this way, if lemmas of the system are not proved: none of a machine by itself."""
+    if not system.parts:
+        return frozenset()
+    return frozenset(one for one in properties if one.kind != "reachable" and one.further_assumption is TRUE)
+
+
+def by_induction(goal: Goal, limits: Limits) -> Verdict:
+    """Return Proved, on the machine alone or on the composition; else Unknown, or Vacuous."""
+    short = replace(limits, seconds=limits.seconds * _SHARE, confirming=limits.seconds)
+    alone = by_its_machine(goal, short, lambda of_machine: kinduction(of_machine, short))
+    return alone if isinstance(alone, Proved) else kinduction(goal, short)
