@@ -16,7 +16,7 @@ from safeloc.language.terms import in_order
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers.facts import about, range_of
 from safeloc.proof.provers.limits import Limits, deadline
-from safeloc.proof.provers.never import never, none_happens
+from safeloc.proof.provers.never import none_happens
 from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachable_targets import happens, without_assumption
@@ -36,13 +36,30 @@ def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
         by = confirmed_by(known.certificates)
         verdict = Proved(all_of(known.everything), "1-induction", 1, by, known.certificates)
         yield Obligation("ranges", statement, verdict, rechecked_in_words("1-induction", by))
-    for var in numeric:
-        if range_of(var) in known.refuted:
-            goal = observe(system, reachable("a range left", ~in_range([var])))
-            goal = goal if var in system.ghosts else without_assumption(goal)
-            verdict_ = never(goal, known.refuted[range_of(var)], limits)
-            stays = f"{var.name} stays in {var.low}..{var.high}"
-            yield Obligation(str(range_of(var)), stays, verdict_, "bounded search, then induction")
+    lost = [var for var in numeric if range_of(var) in known.refuted]
+    left = _left_ranges(system, lost, known, limits)
+    for var in lost:
+        stays = f"{var.name} stays in {var.low}..{var.high}"
+        yield Obligation(str(range_of(var)), stays, left[var], "bounded search, then induction")
+
+
+def _left_ranges(
+    system: TransitionSystem, lost: Sequence[NumVar], known: Base, limits: Limits
+) -> dict[NumVar, Verdict]:
+    """Return of each variable whether a run leaves its range: for all inputs, and of ghosts under the assumption."""
+    found: dict[NumVar, Verdict] = {}
+    for ghosts in (False, True):
+        asked = {
+            var: observe(system, reachable(f"{var.name} leaves its range", ~in_range([var])))
+            for var in lost
+            if (var in system.ghosts) == ghosts
+        }
+        goals = {var: goal if ghosts else without_assumption(goal) for var, goal in asked.items()}
+        verdicts = (
+            none_happens({goal: known.refuted[range_of(var)] for var, goal in goals.items()}, limits) if goals else {}
+        )
+        found |= {var: verdicts[goal] for var, goal in goals.items()}
+    return found
 
 
 # ------------------------------------------------------------------ 64 bits

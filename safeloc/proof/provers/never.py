@@ -26,12 +26,17 @@ def never(goal: Goal, why: str | Failure, limits: Limits) -> Verdict:
 
 
 def none_happens(goals: Mapping[Goal, str | Failure], limits: Limits) -> dict[Goal, Verdict]:
-    """Return this verdict for several goals of one system and one assumption; their runs are searched together."""
+    """Return this verdict for several goals of one system and one assumption.
+
+    Their runs are searched together, and those of which none is found share the limit of one: a wrong term of one machine can lose the ranges
+    of many variables of a composition.
+    """
     runs = first_runs(list(goals), limits)
+    share = replace(limits, seconds=limits.seconds / max(1, len(goals) - len(runs.found)))
     return {
         goal: Violated(runs.found[goal], "bmc", why if isinstance(why, str) else "")
         if goal in runs.found
-        else _excluded(goal, str(why), runs.depth, limits)
+        else _excluded(goal, str(why), runs.depth, share)
         for goal, why in goals.items()
     }
 
