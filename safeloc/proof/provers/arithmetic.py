@@ -22,6 +22,7 @@ from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.reachable_targets import happens, without_assumption
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.provers.settle import settled, settled_but
+from safeloc.proof.provers.without_lemmas import search_limits
 
 # ------------------------------------------------------------------ ranges
 
@@ -55,9 +56,8 @@ def _left_ranges(
             if (var in system.ghosts) == ghosts
         }
         goals = {var: goal if ghosts else without_assumption(goal) for var, goal in asked.items()}
-        verdicts = (
-            none_happens({goal: known.refuted[range_of(var)] for var, goal in goals.items()}, limits) if goals else {}
-        )
+        why = {goal: known.refuted[range_of(var)] for var, goal in goals.items()}
+        verdicts = none_happens(why, search_limits(system, limits)) if goals else {}
         found |= {var: verdicts[goal] for var, goal in goals.items()}
     return found
 

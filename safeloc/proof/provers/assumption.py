@@ -9,7 +9,7 @@ dead ends         every reachable state has a lawful next step (safeloc.proof.pr
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import z3
 
@@ -27,6 +27,7 @@ from safeloc.proof.provers.obligation import Obligation
 from safeloc.proof.provers.recheck import rechecked_in_words
 from safeloc.proof.provers.recorded_witnesses import Recording, lasting
 from safeloc.proof.provers.replayed_evidence import admissible_run
+from safeloc.proof.provers.without_lemmas import search_limits
 
 _ASSUMPTION_STEPS = 5
 _RECORDED_STEPS = 65  # length of the recorded run that shows inputs changing
@@ -44,7 +45,7 @@ def assumption_kept(
     dead end.
     """
     yield _moves(system, limits, recordings)
-    verdict = lasts(system, replace(limits, seconds=PATIENCE * limits.seconds), recordings)
+    verdict = lasts(system, search_limits(system, limits), recordings, patience=PATIENCE)
     yield Obligation("assumption lasts", _FOR_EVER, *_for_ever(system, limits, verdict))
     yield Obligation("dead ends", _NO_DEAD_END, verdict, how(verdict))
 

@@ -53,13 +53,16 @@ def lasts(
     recordings: Sequence[Recording] = (),
     *,
     of: Property | None = None,
+    patience: int = 1,
 ) -> Verdict:
     """Decide whether every reachable state, the first ones included, has inputs that satisfy the system's assumption.
 
     Proved comes with certificates. Violated comes with a run into a dead end, or without a run if none exists. `of` is
-    the property whose further assumption is included, if any.
+    the property whose further assumption is included, if any. The search gets the limit `patience` times; what is proved
+    of the system is not proved anew for it.
     """
-    search = _Search(system, base(system, seconds=limits.seconds), limits, of, tuple(recordings))
+    patient = replace(limits, seconds=patience * limits.seconds)
+    search = _Search(system, base(system, seconds=limits.seconds), patient, of, tuple(recordings))
     for verdict in search.engines():
         if verdict is not None:
             return verdict

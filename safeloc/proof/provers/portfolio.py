@@ -38,7 +38,7 @@ from safeloc.proof.provers.recorded_witnesses import NO_WITNESSES, Recording, Wi
 from safeloc.proof.provers.replayed_evidence import confirmed
 from safeloc.proof.provers.spacer import CLAIMED, spacer
 from safeloc.proof.provers.verdicts_as_data import Packed, hold_for_forked, pack, pack_base, unpack, unpack_base
-from safeloc.proof.provers.without_lemmas import TOGETHER_SHARE, by_induction, searched_together
+from safeloc.proof.provers.without_lemmas import by_induction, search_limits, searched_together
 from safeloc.proof.provers.workers import Lost, Queue, Task
 from safeloc.proof.results import Finding
 
@@ -190,8 +190,7 @@ class Proving:
         for free in (True, False):
             some = {index: fact for index, fact in unproved.items() if fact.goal.prop.unconditional == free}
             if some:
-                limits = replace(self._limits, seconds=self._limits.seconds * TOGETHER_SHARE)
-                queue.add(_search(self._system, [*some.values()], limits), partial(self._receive_claims, some))
+                queue.add(_search(self._system, [*some.values()], self._limits), partial(self._receive_claims, some))
 
     def _receive_claims(self, unproved: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
         for index, fact, verdict in _each(unproved, packed):
@@ -373,7 +372,8 @@ def _contracts(system: TransitionSystem, known: Base, seconds: float) -> Iterato
 
 def _search(system: TransitionSystem, dropped: Sequence[Dropped], limits: Limits) -> Task:
     name = f"{system.name}: runs that break what is not proved"
-    return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, limits)], _end(limits))
+    patience = search_limits(system, limits)
+    return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, patience)], _end(limits))
 
 
 def _task(claim: _Claim, limits: Limits) -> Task:

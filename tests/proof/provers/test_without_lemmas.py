@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from safeloc.language.composition import compose
+from safeloc.language.expr import TRUE
 from safeloc.language.spec import Property, always, reachable
 from safeloc.language.system import lower
 from safeloc.language.verdict import Proved, Unknown, Verdict, Violated
 from safeloc.proof.provers import portfolio
 from safeloc.proof.provers.limits import Limits
-from safeloc.proof.provers.without_lemmas import searched_together
+from safeloc.proof.provers.without_lemmas import search_limits, searched_together
 from tests.proof.provers.test_inherited import Chain
 
 LOST = Chain(limit=10, assumed=5)
@@ -64,6 +68,18 @@ def test_what_is_not_found_is_undecided_and_says_why() -> None:
 def test_with_all_lemmas_the_engines_are_asked_in_turn() -> None:
     """Nothing is missing, so each claim has its own limit."""
     assert {type(one) for one in verdicts(Chain(limit=5, assumed=5)).values()} == {Unknown}
+
+
+def test_what_a_machine_lacks_by_itself_is_searched_for_a_short_time() -> None:
+    """Its own report shows the run. What the wires lose, such as a contract, is searched for as long as ever."""
+    limits = Limits(seconds=20.0)
+    assert search_limits(LOST.whole.system, limits) == limits
+    [rise] = LOST.source.transitions
+    broken = replace(LOST.source, transitions=[replace(rise, when=TRUE)])
+    whole = compose("chain", [broken, LOST.follower], {LOST.seen: broken.output("level")})
+    assert search_limits(lower(broken), limits) == limits
+    short = search_limits(whole.system, limits)
+    assert (short.seconds, short.recheck_seconds) == (2.0, 20.0)
 
 
 def test_which_claims_are_searched_together() -> None:

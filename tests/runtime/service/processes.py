@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -168,6 +169,12 @@ def started(words: Sequence[str], **streams: Any) -> Iterator[Running]:
         for stream in (made.process.stdin, made.process.stdout, made.process.stderr):
             if stream is not None:
                 stream.close()
+
+
+@cache
+def nowhere() -> int:
+    """What is written there is read by nobody; one descriptor for all tests of a process, however many examples they draw."""
+    return os.open(os.devnull, os.O_WRONLY)
 
 
 def wait_for(condition: Any, what: str) -> None:

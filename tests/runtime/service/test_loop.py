@@ -16,6 +16,7 @@ from safeloc.runtime.service.feeds import Event
 from safeloc.runtime.service.journal import Journal
 from safeloc.runtime.service.loop import Loop
 from safeloc.runtime.service.station import Work
+from tests.runtime.service.processes import nowhere
 
 TURNS = 20
 
@@ -95,7 +96,7 @@ def between(monkeypatch: pytest.MonkeyPatch, gather_s: float, takes_s: float) ->
     switching_s = sys.getswitchinterval()
     try:
         with selectors.DefaultSelector() as selector:
-            Loop(work, selector, Journal(os.open(os.devnull, os.O_WRONLY))).run()
+            Loop(work, selector, Journal(nowhere())).run()
     finally:
         sys.setswitchinterval(switching_s)
     steps = zip(work.begun[1:], work.begun[2:], strict=False)

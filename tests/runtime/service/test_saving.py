@@ -28,6 +28,7 @@ from safeloc.runtime.service.saving import KIND, VERSION, Saver, claimed, next_t
 from safeloc.runtime.service.station import Parts, Station
 from safeloc.runtime.service.watchdog import Watchdog
 from tests.runtime.embedding.driving import trusting
+from tests.runtime.service.processes import nowhere
 
 
 def content(number: int) -> Mapping[str, Any]:
@@ -300,7 +301,7 @@ def test_a_station_saves_in_the_turn_of_its_feed(tmp_path: Path, turn: float) ->
     """After a line it waits until then; periods are long, so that a busy machine changes nothing."""
     feed, selector, period_s = Quiet(), selectors.PollSelector(), 1_000.0
     feed.save_turn = turn
-    fleet, journal = Fleet(trusting(), FleetSettings(100)), Journal(os.open(os.devnull, os.O_WRONLY))
+    fleet, journal = Fleet(trusting(), FleetSettings(100)), Journal(nowhere())
     station = Station(Parts(feed, Stdout(selector), fleet, journal, Saver(tmp_path / "kept"), period_s))
     assert station.patience_s() is None
     station.take(iter([Arrived("", Line(1, b"no line at all", ""), "")]))

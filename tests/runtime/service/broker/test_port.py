@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections import deque
 from collections.abc import Iterable
 from typing import Any
@@ -17,6 +16,7 @@ from safeloc.runtime.service.broker.port import Beside, PartitionPort
 from safeloc.runtime.service.broker.topics import Topics, partition_of
 from safeloc.runtime.service.feeds import Arrived, Told
 from safeloc.runtime.service.journal import Journal
+from tests.runtime.service.processes import nowhere
 
 TOPICS = Topics("areas", 4)
 OWN = partition_of("west", 4)
@@ -53,7 +53,7 @@ class Reports(Beside):
 
 def port(connection: Connection, **more: Any) -> PartitionPort:
     """The port of the partition of `west`."""
-    made = PartitionPort(connection, TOPICS, OWN, Journal(os.open(os.devnull, os.O_WRONLY)), **more)  # type: ignore[arg-type]
+    made = PartitionPort(connection, TOPICS, OWN, Journal(nowhere()), **more)  # type: ignore[arg-type]
     made.running = True
     return made
 

@@ -108,10 +108,8 @@ class Vehicle:
 
     def there(self) -> bool:
         """Whether the broker let it in."""
-        while not self._connected.wait(0.01):
-            if self.ended.is_set():
-                return False
-        return True
+        wait_for(lambda: self._connected.is_set() or self.ended.is_set(), "an answer to the connection")
+        return self._connected.is_set()
 
     def say(self, topic: str, payload: bytes) -> None:
         """Until the broker has it."""
