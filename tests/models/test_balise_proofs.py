@@ -192,7 +192,7 @@ def sharper(good: Balise) -> Mapping[Var, Expr]:
     """A reset that forgets the antenna's detection accuracy."""
     reader = replace(good.own.config.reader, detection_mm=0)
     odometer, cycle = good.own.odometer, good.judgement
-    fix = reader.fix(good.own.read, cycle.place, cycle.accuracy, odometer.distance, odometer.admitted)
+    fix = reader.fix(good.own.read, cycle.place, cycle.accuracy, odometer)
     return dict(good.own.held.become(cycle.run_on.narrowed(fix)))
 
 

@@ -94,7 +94,7 @@ OF_THE_BOUND: dict[str, tuple[type, str, Wrong, str]] = {
         Followers, "trains", lambda one, right, _s, slots, _e: of_any_train(one, right, slots), LOOSE),
     "followers before a train that comes in are forgotten": (Followers, "turns_loose", lambda *_: FALSE, LOOSE),
     "a train keeps its side when followers turn loose behind it": (
-        Followers, "beside", lambda _f, _r, one, *_: (one.below, one.above), LOOSE),
+        Followers, "beside", lambda _f, _r, one, *_: (one.below_loose, one.above_loose), LOOSE),
     "a train that is reported is ahead of no follower": (
         Followers, "beside", lambda _f, right, one, *_: (
             ite(one.enters, one.event.eq(ENTERS_LOW), right[0]), ite(one.enters, one.event.eq(ENTERS_HIGH), right[1])), LOOSE),
