@@ -180,7 +180,10 @@ def test_a_wrong_edit_of_a_term_is_noticed(edit: str, monkeypatch: pytest.Monkey
         ("pattern does not come", "since_request", "a pattern passes when the emitter is to send, and only then"),
         ("own pattern from elsewhere", "since_request", "a pattern passes when the emitter is to send, and only then"),
         pytest.param(
-            "pattern does not come", "since_passed", "a pattern that passes came through the chain", marks=pytest.mark.slow
+            "pattern does not come",
+            "since_passed",
+            "a pattern that passes came through the chain",
+            marks=pytest.mark.slow,
         ),
         ("wait for a pattern after the failure", "passes", "patterns count one after the other"),
     ],

@@ -43,7 +43,7 @@ DIGESTS = {
     "axle_counter-power-up.jsonl.gz": "7218576285aff685",
     "axle_section-miscount.jsonl.gz": "33110548ca24526f",
     "emitter-unanswered.jsonl.gz": "a0aff0e8afe7b741",
-    "fibre_area-turned-back.jsonl.gz": "7f3adc0a9048a14f",
+    "fibre_area-turned-back.jsonl.gz": "deccb6d61b0ed8b2",
     "route-adab-every-reflector.jsonl.gz": "ae8dfb9a4bd77c64",
     "route-adad-every-reflector.jsonl.gz": "a15aacf699efec8d",
     "route-adcd-every-reflector.jsonl.gz": "eb02e297ea719c88",

@@ -29,6 +29,7 @@ ORDINARY = {
     "axle_counter-service",
     "axle_section-service",
     "emitter-service",
+    "fibre_area-service",
     "localizer-metro",
     "unlinked_group-service",
     "verification-stay",
