@@ -73,6 +73,15 @@ class AxleCounterConfig(Config):
             )
         return self
 
+    @model_validator(mode="after")
+    def _a_length_is_known(self) -> AxleCounterConfig:
+        if 2 * self.late_mm >= self.length_spread_mm:
+            raise ValueError(
+                f"late_mm ({self.late_mm}) at either end of a train takes all of length_spread_mm ({self.length_spread_mm}), so that no length is "
+                "known and no record can come; raise length_spread_mm above twice late_mm, or lower late_mm."
+            )
+        return self
+
     @property
     def surest_run_um(self) -> int:
         """Greatest run since its last axle that is certain of a train, um: from the highest speed on, braking in every cycle."""

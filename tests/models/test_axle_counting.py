@@ -337,3 +337,14 @@ def test_a_train_that_never_surely_passes_is_refused() -> None:
     assert 0 == AxleCounterConfig.model_construct(period_ms=100, max_speed_mm_s=400, change_mm_s2=5_000).surest_run_um
     with pytest.raises(ValueError, match=r"change_mm_s2 1500 may have stopped\. .* and no record can come"):
         AxleCounterConfig(max_speed_mm_s=7_900)
+
+
+def test_room_for_late_axles_that_leaves_no_length_is_refused() -> None:
+    """At both ends it takes the whole spread that a length may have: no record could come."""
+    assert AxleCounterConfig(late_mm=9_999, length_spread_mm=19_999).late_mm == 9_999
+    with pytest.raises(
+        ValueError, match=r"late_mm \(10000\) .* all of length_spread_mm \(20000\), .* no record can come"
+    ):
+        AxleCounterConfig(late_mm=10_000)
+    with pytest.raises(ValueError, match=r"raise length_spread_mm above twice late_mm"):
+        AxleCounterConfig(length_spread_mm=1_300)
