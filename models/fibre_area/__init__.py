@@ -55,6 +55,7 @@ from safeloc.language.expr import (
     BoolVar,
     Expr,
     Num,
+    NumVar,
     Var,
     all_of,
     any_of,
@@ -65,6 +66,8 @@ from safeloc.language.expr import (
     exact_to,
     floor_to,
     ite,
+    maximum,
+    minimum,
 )
 from safeloc.language.machine import Machine
 from safeloc.language.terms import Substitution
@@ -236,12 +239,17 @@ def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> 
         own.axle_between: heads.axles > 0,
         own.occupied: axle_section.machine.flag("healthy") & ~axle_section.machine.flag("clear"),
         own.counters_count: axle_section.machine.flag("healthy") & earlier.bool(order.machine.flag("ordered")),
-        **{to: earlier.num(number) for to, number in zip(own.outermost, outermost, strict=True)},
+        **{to: _in_range(earlier.num(one), to) for to, one in zip(own.outermost, outermost, strict=True)},
         **dict(zip(own.axles_in, heads.into, strict=True)),
         **dict(zip(own.axles_out, heads.out, strict=True)),
         **dict(zip(own.passed_in, heads.true_into, strict=True)),
         **dict(zip(own.passed_out, heads.true_out, strict=True)),
     }
+
+
+def _in_range(number: Num, to: NumVar) -> Num:
+    """Return the number within the input's range: what is proved of a later machine is not known yet where an earlier one is proved."""
+    return maximum(minimum(number, to.high), to.low)
 
 
 def _earlier(machine: Machine) -> Substitution:

@@ -123,11 +123,22 @@ class _Comparison:
             if node in seen or node in self._outputs or _names_values(node):
                 continue
             seen.add(node)
-            nodes = len(in_order([node]))
+            nodes = self._size(node)
             if node in self._used and nodes >= _LEAST_NODES:
                 yield Shared(of, nodes, text(node), tuple(dict.fromkeys(self._used[node])), src)
             else:
                 waiting += children(node)
+
+    def _size(self, term: Expr) -> int:
+        """Return the distinct nodes of a term; an output within it is one, whatever it is computed from."""
+        seen: set[Expr] = set()
+        waiting = [term]
+        while waiting:
+            node = waiting.pop()
+            if node not in seen:
+                seen.add(node)
+                waiting += () if node in self._outputs else children(node)
+        return len(seen)
 
 
 def _computed(system: TransitionSystem) -> Iterator[tuple[str, Expr]]:

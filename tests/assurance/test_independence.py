@@ -10,7 +10,18 @@ from safeloc.assurance.independence import Shared, by_term, follows_machine, sha
 from safeloc.catalogue import configured
 from safeloc.errors import ModelError
 from safeloc.language.composition import compose
-from safeloc.language.expr import Bool, NumVar, before, boolean, choice, enumeration, ite, members, number
+from safeloc.language.expr import (
+    Bool,
+    NumVar,
+    before,
+    boolean,
+    choice,
+    enumeration,
+    ite,
+    members,
+    minimum,
+    number,
+)
 from safeloc.language.machine import ANY, Machine, Transition, modes
 from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
@@ -156,6 +167,16 @@ def test_what_an_output_may_be_is_put_out() -> None:
     chosen = replace(made, outputs={"sum": ite(N > 3, N * 2 + N * 3 + 7, 0)})
     claim = always("of the sum", N * 2 + N * 3 + 7 < 900)
     assert [] == shared_terms(Target("m", (chosen,), lower(chosen), (claim,)))
+
+
+def test_an_output_within_a_term_is_one_node() -> None:
+    """A wire that keeps an output in range is as small as one over a variable; beside another formula it is told."""
+    made = machine()
+    clamped = minimum(N * 2 + N * 3 + 7, 90) < 80
+    row = Transition("far", ON, OFF, clamped & (X + Y * 2 > N), {N: X + Y})
+    kept = replace(made, transitions=[row])
+    claims = always("clamped", clamped), always("more", (clamped & (X + Y * 2 > N)).implies(GO))
+    assert ["property more"] == [one.of for one in shared_terms(Target("m", (kept,), lower(kept), claims))]
 
 
 @pytest.mark.thorough(ordinary=3)

@@ -86,7 +86,7 @@ def test_everything_is_proved() -> None:
         ("patterns belong to trains", {"set": "belongs only"}, "the order follows: in at the low end"),
         ("patterns belong to nobody", {"set": {}}, "the order follows: out at the high end"),
         ("area is empty", {"when": TRUE}, "an order begins with an empty area"),
-        ("area is empty", {"set": {}}, "an empty area has nobody in its order"),
+        ("area is empty", {"set": {}}, "an order begins with an empty area"),
         ("impossible event", {"when": FALSE}, "two events at once ends the order"),
         ("impossible event", {"when": FALSE}, "a train that is not there ends the order"),
         ("impossible event", {"when": FALSE}, "a train that is there already ends the order"),

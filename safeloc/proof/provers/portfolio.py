@@ -190,7 +190,8 @@ class Proving:
         for free in (True, False):
             some = {index: fact for index, fact in unproved.items() if fact.goal.prop.unconditional == free}
             if some:
-                queue.add(_search(self._system, [*some.values()], self._limits), partial(self._receive_claims, some))
+                limits = search_limits(self._system, self._limits)
+                queue.add(_search(self._system, [*some.values()], limits), partial(self._receive_claims, some))
 
     def _receive_claims(self, unproved: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
         for index, fact, verdict in _each(unproved, packed):
@@ -372,8 +373,7 @@ def _contracts(system: TransitionSystem, known: Base, seconds: float) -> Iterato
 
 def _search(system: TransitionSystem, dropped: Sequence[Dropped], limits: Limits) -> Task:
     name = f"{system.name}: runs that break what is not proved"
-    patience = search_limits(system, limits)
-    return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, patience)], _end(limits))
+    return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, limits)], _end(limits))
 
 
 def _task(claim: _Claim, limits: Limits) -> Task:

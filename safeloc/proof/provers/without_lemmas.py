@@ -19,7 +19,7 @@ from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.proved_base import base
 
 _SHARE = 0.1
-"""Share of a limit: for a proof by induction, since those that need no lost lemma are quick, and for searches where a machine by itself fails."""
+"""Share of a limit: for a proof by induction, since those that need no lost lemma are quick, and for the searches beside that for the lemmas."""
 
 
 def searched_together(system: TransitionSystem, properties: Iterable[Property]) -> frozenset[Property]:
@@ -30,11 +30,11 @@ def searched_together(system: TransitionSystem, properties: Iterable[Property]) 
 
 
 def search_limits(system: TransitionSystem, limits: Limits) -> Limits:
-    """Return the limits of a search for runs that break what is not proved: a share of them if a machine of a composition lacks facts by itself.
+    """Return the limits of the searches that a composition makes beside that for its lost lemmas: a share of them if it has lost some.
 
-    Its own report shows the runs in seconds; a composition, many times as large, mostly shows none within the whole limit.
+    What is lost is searched for within the whole limit; ranges, claims and dead ends mostly follow from it.
     """
-    if not any(base(part.alone, seconds=limits.seconds).refuted for part in system.parts):
+    if not system.parts or not base(system, seconds=limits.seconds).refuted:
         return limits
     return replace(limits, seconds=limits.seconds * _SHARE, confirming=limits.recheck_seconds)
 

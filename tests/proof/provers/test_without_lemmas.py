@@ -70,10 +70,10 @@ def test_with_all_lemmas_the_engines_are_asked_in_turn() -> None:
     assert {type(one) for one in verdicts(Chain(limit=5, assumed=5)).values()} == {Unknown}
 
 
-def test_what_a_machine_lacks_by_itself_is_searched_for_a_short_time() -> None:
-    """Its own report shows the run. What the wires lose, such as a contract, is searched for as long as ever."""
+def test_what_follows_from_a_lost_lemma_is_searched_for_a_short_time() -> None:
+    """Of a composition alone; the re-check of a proof has all of the limit."""
     limits = Limits(seconds=20.0)
-    assert search_limits(LOST.whole.system, limits) == limits
+    assert search_limits(Chain(limit=5, assumed=5).whole.system, limits) == limits
     [rise] = LOST.source.transitions
     broken = replace(LOST.source, transitions=[replace(rise, when=TRUE)])
     whole = compose("chain", [broken, LOST.follower], {LOST.seen: broken.output("level")})
