@@ -27,6 +27,7 @@ from safeloc.proof.provers.dropped import Dropped, broken
 from safeloc.proof.provers.escape import escape
 from safeloc.proof.provers.facts import Fact
 from safeloc.proof.provers.falsify import falsify
+from safeloc.proof.provers.from_known_runs import ENGINE, broken_onward
 from safeloc.proof.provers.implication import Undecided
 from safeloc.proof.provers.inherited import contract_properties, contracts
 from safeloc.proof.provers.kinduction import kinduction
@@ -49,13 +50,15 @@ _ESCAPE_SHARE = 0.2
 OnFinding = Callable[[Finding], None]
 
 
-def prove_one(goal: Goal, limits: Limits) -> Verdict:
+def prove_one(goal: Goal, limits: Limits, known_runs: Sequence[Recording] = ()) -> Verdict:
     """Return the verdict of the first engine that decides; else Unknown with the greatest depth that any of them
     reached.
+
+    known_runs  recordings of a composition, from which runs are searched that break the claim
     """
     if goal.prop.kind == "reachable":
         return reached(goal, limits)
-    verdict = _in_turn(_ENGINES, goal, limits)
+    verdict = _in_turn(_with_known_runs(_ENGINES, goal, known_runs), goal, limits)
     return _with_escape(goal, verdict, limits) if isinstance(verdict, Unknown) else verdict
 
 
@@ -92,6 +95,18 @@ _ENGINES: tuple[_Engine, ...] = (
 )
 _QUICK = _ENGINES[:2]
 """Engines that are asked about a composition of a claim that one of its machines breaks by itself: its run is what a reader needs."""
+
+
+def _with_known_runs(engines: Sequence[_Engine], goal: Goal, known_runs: Sequence[Recording]) -> Sequence[_Engine]:
+    """Return the engines with a search from known runs behind the first one; of a machine by itself as they are."""
+    if not known_runs or not goal.original.parts:
+        return engines
+    return (*engines[:1], (ENGINE, partial(_from_known_runs, known_runs), SEARCH_SHARE), *engines[1:])
+
+
+def _from_known_runs(known_runs: Sequence[Recording], goal: Goal, limits: Limits) -> Verdict:
+    found = broken_onward([goal], known_runs, limits)
+    return Violated(found[goal], ENGINE) if found else Unknown("none breaks it soon after one")
 
 
 def prove(
@@ -156,7 +171,7 @@ class Proving:
             if isinstance(fact, Finding):
                 self._keep(index, fact)
         if dropped:
-            queue.add(_search(self._system, [*dropped.values()], self._limits), partial(self._receive_search, dropped))
+            queue.add(self._search([*dropped.values()], self._limits), partial(self._receive_search, dropped))
         claims = {
             index: _property_claim(self._system, prop, self._cases.known_runs)
             for index, prop in enumerate(self._properties, len(facts))
@@ -191,7 +206,11 @@ class Proving:
             some = {index: fact for index, fact in unproved.items() if fact.goal.prop.unconditional == free}
             if some:
                 limits = search_limits(self._system, self._limits)
-                queue.add(_search(self._system, [*some.values()], limits), partial(self._receive_claims, some))
+                queue.add(self._search([*some.values()], limits), partial(self._receive_claims, some))
+
+    def _search(self, dropped: Sequence[Dropped], limits: Limits) -> Task:
+        name, known_runs = f"{self._system.name}: runs that break what is not proved", self._cases.known_runs
+        return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, limits, known_runs)], _end(limits))
 
     def _receive_claims(self, unproved: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
         for index, fact, verdict in _each(unproved, packed):
@@ -312,26 +331,28 @@ class _Claim:
 def _property_claim(system: TransitionSystem, prop: Property, recordings: Sequence[Recording]) -> _Claim:
     if prop.kind == "reachable":
         return _Claim(observe(system, prop), partial(reached, recordings=recordings))
-    return _Claim(observe(system, prop), prove_one if prop.kept_by is None else _kept_by_a_machine)
+    prover = prove_one if prop.kept_by is None else _kept_by_a_machine
+    return _Claim(observe(system, prop), partial(prover, known_runs=recordings))
 
 
-def _kept_by_a_machine(goal: Goal, limits: Limits) -> Verdict:
+def _kept_by_a_machine(goal: Goal, limits: Limits, known_runs: Sequence[Recording] = ()) -> Verdict:
     """Prove a property on the machine alone; else on the composition."""
     half = replace(limits, seconds=limits.seconds / 2)
     match by_its_machine(goal, limits, lambda alone: prove_one(alone, half)):
         case None:
-            return prove_one(goal, limits)
+            return prove_one(goal, limits, known_runs)
         case Proved() as verdict:
             return verdict
         case Violated():
-            return _of_the_composition(goal, half)
+            return _of_the_composition(goal, half, known_runs)
         case _:
-            return prove_one(goal, half)
+            return prove_one(goal, half, known_runs)
 
 
-def _of_the_composition(goal: Goal, limits: Limits) -> Verdict:
+def _of_the_composition(goal: Goal, limits: Limits, known_runs: Sequence[Recording]) -> Verdict:
     """Decide a claim that a machine breaks by itself on the composition, whose wires may exclude the run."""
-    verdict, machine_and_claim = _in_turn(_QUICK, goal, limits), goal.prop.kept_by
+    verdict = _in_turn(_with_known_runs(_QUICK, goal, known_runs), goal, limits)
+    machine_and_claim = goal.prop.kept_by
     if not isinstance(verdict, Unknown) or machine_and_claim is None:
         return verdict
     machine, claim = machine_and_claim
@@ -369,11 +390,6 @@ def _contracts(system: TransitionSystem, known: Base, seconds: float) -> Iterato
         else:
             why = known.refuted.get(key, "the machines before it do not guarantee this assumption")
             yield Dropped(goal, f"not shown: {why}")
-
-
-def _search(system: TransitionSystem, dropped: Sequence[Dropped], limits: Limits) -> Task:
-    name = f"{system.name}: runs that break what is not proved"
-    return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, limits)], _end(limits))
 
 
 def _task(claim: _Claim, limits: Limits) -> Task:
