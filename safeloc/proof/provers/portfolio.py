@@ -332,7 +332,7 @@ def _property_claim(system: TransitionSystem, prop: Property, recordings: Sequen
     if prop.kind == "reachable":
         return _Claim(observe(system, prop), partial(reached, recordings=recordings))
     prover = prove_one if prop.kept_by is None else _kept_by_a_machine
-    return _Claim(observe(system, prop), partial(prover, known_runs=recordings))
+    return _Claim(observe(system, prop), partial(prover, known_runs=recordings) if system.parts else prover)
 
 
 def _kept_by_a_machine(goal: Goal, limits: Limits, known_runs: Sequence[Recording] = ()) -> Verdict:
