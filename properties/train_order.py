@@ -47,8 +47,8 @@ def _true(model: TrainOrder) -> Iterator[Property]:
     yield always(
         "the outermost trains are those on the track",
         all_of(_outermost(model)),
-        statement="the trains that are told as the outermost are those between the counters than which none is nearer to that end; "
-        "none is told exactly if no order is known or no train is there",
+        statement="a train that is named as outermost is between the counters, and no train there is nearer to that end; none is named "
+        "exactly if no order is known or no train is there",
         requirements=REQUIREMENTS,
         assumption=LAW,
     )
@@ -65,11 +65,11 @@ def _outermost(model: TrainOrder) -> Iterator[Bool]:
     """Yield what is claimed of the outermost train at either end."""
     trains, is_ordered = model.own.trains, model.machine.flag("ordered")
     anyone = any_of(train.inside for train in trains)
-    for told, sign in ((model.machine.output("outermost_low"), 1), (model.machine.output("outermost_high"), -1)):
-        yield told.ne(0).iff(is_ordered & anyone)
+    for named, sign in ((model.machine.output("outermost_low"), 1), (model.machine.output("outermost_high"), -1)):
+        yield named.ne(0).iff(is_ordered & anyone)
         for train in trains:
             none_beyond = all_of(~one.inside | (one.place * sign >= train.place * sign) for one in trains)
-            yield told.eq(train.number).implies(train.inside & none_beyond)
+            yield named.eq(train.number).implies(train.inside & none_beyond)
 
 
 def _from_the_low_end(own: Parts) -> Bool:

@@ -259,12 +259,12 @@ def _earlier(machine: Machine) -> Substitution:
 
 def _order_wires(order: TrainOrder, axle_section: AxleSection, entry: Entry) -> dict[Var, Expr]:
     """Return the wires of the order: a train that left a part behind has not left."""
-    own, told = order.own, entry.own
+    own, passes = order.own, entry.own
     return {
-        own.enters_low: told.enters[0],
-        own.enters_high: told.enters[1],
-        own.leaves_low: told.gone[0],
-        own.leaves_high: told.gone[1],
+        own.enters_low: passes.enters[0],
+        own.enters_high: passes.enters[1],
+        own.leaves_low: passes.gone[0],
+        own.leaves_high: passes.gone[1],
         own.clear: axle_section.machine.flag("clear"),
         own.fault: ~_counted(axle_section, entry),
     }

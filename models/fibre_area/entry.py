@@ -127,10 +127,10 @@ class Parts:
     def _ends(self) -> tuple[tuple[Num, Bool, Num], ...]:
         return tuple(zip(self.enters, self.leaves, self.outermost, strict=True))
 
-    def told(self, left: Bool) -> Updates:
-        """Return what the later machines hear in a cycle in which all of this train has `left`, or not.
+    def passed_on(self, left: Bool) -> Updates:
+        """Return what the later machines read in a cycle in which all of this train has `left`, or not.
 
-        A train that has left because the counters are clear is gone at the low end, whichever it left by: the order hears of it.
+        A train that has left because the counters are clear is gone at the low end, whichever it left by, so that the order drops it.
         """
         low, high = (
             out & any_of([last.eq(0), last.eq(THIS) & left, *self._others_left(last)]) for _, out, last in self._ends
@@ -288,9 +288,9 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
         own.sure: own.counted,
         own.unannounced: own.of_nobody,
         own.in_part: ~own.enters_now & (own.in_part | own.leaving),
-        **own.told(FALSE),
+        **own.passed_on(FALSE),
     }
-    gone: Updates = {own.inside: 0, own.sure: TRUE, own.in_part: FALSE, own.unannounced: FALSE, **own.told(TRUE)}
+    gone: Updates = {own.inside: 0, own.sure: TRUE, own.in_part: FALSE, own.unannounced: FALSE, **own.passed_on(TRUE)}
     not_due: Updates = {own.due: False, own.source: NOBODY}
     answered = together(stays, {own.waited: 0, own.due: True, own.source: own.comes})
     overdue = together(stays, {own.waited: 0, own.due: True, own.source: NOBODY})

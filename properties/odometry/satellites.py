@@ -181,11 +181,8 @@ def _meets(model: Odometry, given: SatelliteReader) -> Bool:
     for device in model.own.devices:
         wider: Num = as_num(wider_mm * NM_PER_MM, NM)
         if drift and not config.single_fault_safe:
-            before, now = (
-                with_unit(earlier_num(device.age) * (drift * config.period_ms), NM),
-                drift * config.period_ms**2,
-            )
-            wider = wider + run_mm * NM_PER_MM + before + now
+            drifted = with_unit(earlier_num(device.age) * (drift * config.period_ms), NM)
+            wider = wider + run_mm * NM_PER_MM + drifted + drift * config.period_ms**2
         met += [_overlaps(unit, low - wider, high + wider) for unit in device.units]
     return any_of(met)
 

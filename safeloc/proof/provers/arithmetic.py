@@ -38,13 +38,13 @@ def ranges(system: TransitionSystem, limits: Limits) -> Iterator[Obligation]:
         verdict = Proved(all_of(known.everything), "1-induction", 1, by, known.certificates)
         yield Obligation("ranges", statement, verdict, rechecked_in_words("1-induction", by))
     lost = [var for var in numeric if range_of(var) in known.refuted]
-    left = _left_ranges(system, lost, known, limits)
+    verdicts = _verdicts_on_ranges(system, lost, known, limits)
     for var in lost:
         stays = f"{var.name} stays in {var.low}..{var.high}"
-        yield Obligation(str(range_of(var)), stays, left[var], "bounded search, then induction")
+        yield Obligation(str(range_of(var)), stays, verdicts[var], "bounded search, then induction")
 
 
-def _left_ranges(
+def _verdicts_on_ranges(
     system: TransitionSystem, lost: Sequence[NumVar], known: Base, limits: Limits
 ) -> dict[NumVar, Verdict]:
     """Return of each variable whether a run leaves its range: for all inputs, and of ghosts under the assumption."""

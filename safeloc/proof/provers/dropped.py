@@ -18,6 +18,7 @@ from safeloc.proof.provers.recorded_witnesses import Recording
 from safeloc.proof.provers.searches import Runs, sparing_runs
 
 _LEAST_S = 0.001
+"""Seconds of effort for a search before which the other one has used up the limit."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,6 +47,8 @@ GRACE_SECONDS = 5.0
 INDUCTION_SHARE, SEARCH_SHARE, SPACER_SHARE = 0.4, 0.3, 0.4  # of the time that is left when their turn comes
 _ESCAPE_SHARE = 0.2
 """Share of the limit, on top of it, for a counterexample to induction of a property that no engine decides."""
+_SEARCHED: Mapping[str, str] = {"lemma": "1-induction, bounded search", "property": "k-induction, bounded search"}
+"""Methods of a search for runs that break what is not proved, for a verdict that it leaves open, by kind of finding."""
 OnFinding = Callable[[Finding], None]
 
 
@@ -171,7 +173,7 @@ class Proving:
             if isinstance(fact, Finding):
                 self._keep(index, fact)
         if dropped:
-            queue.add(self._search([*dropped.values()], self._limits), partial(self._receive_search, dropped))
+            queue.add(self._search([*dropped.values()], self._limits), partial(self._receive_search, "lemma", dropped))
         claims = {
             index: _property_claim(self._system, prop, self._cases.known_runs)
             for index, prop in enumerate(self._properties, len(facts))
@@ -185,10 +187,18 @@ class Proving:
             else:
                 queue.add(_task(claim, self._limits), partial(self._receive, index, claim))
 
-    def _receive_search(self, dropped: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
-        for index, fact, verdict in _each(dropped, packed):
-            method = "1-induction, bounded search" if isinstance(verdict, Unknown) else _method(verdict)
-            self._keep(index, _finding(fact.goal, "lemma", verdict, method, seconds))
+    def _receive_search(
+        self,
+        kind: Literal["lemma", "property"],
+        dropped: Mapping[int, Dropped],
+        packed: list[Packed] | Lost,
+        seconds: float,
+    ) -> None:
+        each: Sequence[Packed | Lost] = [packed] * len(dropped) if isinstance(packed, Lost) else packed
+        for (index, fact), one in zip(dropped.items(), each, strict=True):
+            verdict = _received(one, fact.goal)
+            method = _SEARCHED[kind] if isinstance(verdict, Unknown) else _method(verdict)
+            self._keep(index, _finding(fact.goal, kind, verdict, method, seconds))
 
     def _receive_induction(
         self, unproved: _Unproved, index: int, claim: _Claim, packed: Packed | Lost, seconds: float
@@ -206,16 +216,11 @@ class Proving:
             some = {index: fact for index, fact in unproved.items() if fact.goal.prop.unconditional == free}
             if some:
                 limits = search_limits(self._system, self._limits)
-                queue.add(self._search([*some.values()], limits), partial(self._receive_claims, some))
+                queue.add(self._search([*some.values()], limits), partial(self._receive_search, "property", some))
 
     def _search(self, dropped: Sequence[Dropped], limits: Limits) -> Task:
         name, known_runs = f"{self._system.name}: runs that break what is not proved", self._cases.known_runs
         return Task(name, lambda: [pack(verdict) for verdict in broken(dropped, limits, known_runs)], _end(limits))
-
-    def _receive_claims(self, unproved: Mapping[int, Dropped], packed: list[Packed] | Lost, seconds: float) -> None:
-        for index, fact, verdict in _each(unproved, packed):
-            method = "k-induction, bounded search" if isinstance(verdict, Unknown) else _method(verdict)
-            self._keep(index, _finding(fact.goal, "property", verdict, method, seconds))
 
     def _receive(self, index: int, claim: _Claim, packed: Packed | Lost, seconds: float) -> None:
         verdict = _received(packed, claim.goal)
@@ -247,12 +252,6 @@ class _Unproved:
             self._facts[index] = fact
         if not self._left and self._facts:
             self._then(self._facts)
-
-
-def _each(facts: Mapping[int, Dropped], packed: list[Packed] | Lost) -> Iterator[tuple[int, Dropped, Verdict]]:
-    each: Sequence[Packed | Lost] = [packed] * len(facts) if isinstance(packed, Lost) else packed
-    for (index, fact), one in zip(facts.items(), each, strict=True):
-        yield index, fact, _received(one, fact.goal)
 
 
 def _check_names(properties: Sequence[Property]) -> None:

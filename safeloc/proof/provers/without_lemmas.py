@@ -1,7 +1,7 @@
 """Claims of a composition of which some lemmas are not proved: each is tried by induction, and what is left is searched together.
 
-One wrong term of one machine loses lemmas, and with them the proofs of many claims of every composition that holds the machine. All engines
-for each of them took the whole limit claim by claim: minutes, to say of a claim what its machine's own report says.
+One wrong term of one machine loses lemmas, and with them the proofs of many claims of every composition that holds the machine. All engines in
+turn took the whole limit for each claim: many minutes, while the machine's own report shows the run that breaks it in seconds.
 """
 
 from __future__ import annotations
