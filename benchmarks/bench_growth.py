@@ -26,8 +26,8 @@ from typing import TypeVar
 from benchmarks.composed_line import composed_target
 from benchmarks.counted_line import line_target
 from benchmarks.growth_drawing import drawn
+from benchmarks.localizers import SOURCES, with_sources
 from safeloc.language.verdict import word
-from safeloc.models.localizer import LocalizerConfig, SourceName
 from safeloc.proof.cache.answers import kept_in
 from safeloc.proof.cache.store import Store
 from safeloc.proof.provers.limits import Limits
@@ -41,7 +41,6 @@ VARIABLES = (10, 30, 100)
 IN_ALL = (10, 31, 100, 1000)
 WHOLE_UP_TO = 100
 """State variables of a composition up to which obligations and tests are measured as well."""
-SOURCES: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
 PLAN = Plan(Limits(), examples=60, steps=60, seed=0)
 JOBS = 2
 FAMILIES = ("line", "composed", "localizer")
@@ -137,7 +136,7 @@ def _made(family: str, size: int) -> tuple[Target, bool]:
 
 
 def _localizer(sources: int) -> Target:
-    return ENTRIES["localizer"].make(LocalizerConfig(sources=SOURCES[:sources]))
+    return ENTRIES["localizer"].make(with_sources(sources))
 
 
 def _stages(target: Target, *, all_: bool) -> Iterator[tuple[str, Callable[[], list[Finding]]]]:

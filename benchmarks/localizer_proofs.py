@@ -12,16 +12,16 @@ import resource
 import sys
 import time
 
+from benchmarks.localizers import SOURCES, with_sources
 from safeloc.language.spec import Goal, observe
 from safeloc.language.verdict import Proved, Unknown, Verdict
-from safeloc.models.localizer import LocalizerConfig, SourceName, compose_machines
+from safeloc.models.localizer import compose_machines
 from safeloc.proof.provers.bmc import bmc
 from safeloc.proof.provers.falsify import falsify
 from safeloc.proof.provers.limits import Limits
 from safeloc.proof.provers.portfolio import prove
 from safeloc.properties.localizer import properties
 
-SOURCES: tuple[SourceName, ...] = ("odometry", "balise", "reflector", "satellite", "fibre")
 SEEDS = (0, 1)
 
 
@@ -31,7 +31,7 @@ def main(seconds: float, most: int) -> None:
         f"{'sources':>7} {'findings':>8} {'proved':>6} {'wall s':>7} {'cpu s':>7}  {'steps':>5}  the whole as one system"
     )
     for count in range(1, most + 1):
-        whole = compose_machines(LocalizerConfig(sources=SOURCES[:count]))
+        whole = compose_machines(with_sources(count))
         system, wanted = whole.composition.system, properties(whole)
         began, used = time.perf_counter(), _processor_seconds()
         findings = prove(system, wanted, Limits())

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 
+from benchmarks.localizers import with_sources
 from safeloc.language.system import without_ghosts
+from safeloc.models.localizer import LocalizerConfig
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.shipped_machines import ENTRIES
 
@@ -66,17 +68,32 @@ def odometry_steps(vehicle: str, period_ms: int) -> Iterator[bytes]:
 def localizer_lines(vehicle: str, period_ms: int) -> Iterator[bytes]:
     """Inputs of whole steps: the shipped journeys, one after the other, over and over."""
     del period_ms  # steps have numbers, not times
-    journey = _journey()
+    return _numbered_steps(vehicle, _journey(LocalizerConfig()))
+
+
+def _numbered_steps(vehicle: str, journey: Sequence[str]) -> Iterator[bytes]:
     cycle = 0
     while True:
         yield f'{{"vehicle": "{vehicle}", "cycle": {cycle + 1}, {journey[cycle % len(journey)]}\n'.encode()
         cycle += 1
 
 
+def localizer_of(sources: int) -> Traffic:
+    """The first so many of the localizer's sources, on the same journeys."""
+    config = with_sources(sources)
+
+    def lines(vehicle: str, period_ms: int) -> Iterator[bytes]:
+        del period_ms  # steps have numbers, not times
+        return _numbered_steps(vehicle, _journey(config))
+
+    named = ", ".join(f'"{one}"' for one in config.sources)
+    return Traffic("localizer", lambda _: f"sources = [{named}]\n", ("--inputs",), lines)
+
+
 @cache
-def _journey() -> list[str]:
+def _journey(config: LocalizerConfig) -> list[str]:
     """The inputs of each step as JSON, without the opening brace."""
-    target = ENTRIES["localizer"].make(ENTRIES["localizer"].config())
+    target = ENTRIES["localizer"].make(config)
     names = {var.name for var in without_ghosts(target.system).inputs}
     steps = [step for path in target.streams for step in read_steps(path).steps]
     return [json.dumps({name: value for name, value in step.items() if name in names})[1:] for step in steps]

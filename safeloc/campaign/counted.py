@@ -191,5 +191,5 @@ def _longest(wrong: Flags) -> Whole:
 
 def wrong_cycles(data: bytes) -> tuple[int, int]:
     """Return the cycles with a wrong interval in a shard's table: with the laws kept, and broken."""
-    table = parquet.read_table(io.BytesIO(data), columns=["kept_wrong", "broken_wrong"])
+    table = parquet.read_table(io.BytesIO(data), columns=["kept_wrong", "broken_wrong"], use_threads=False)
     return tuple(sum(one or 0 for one in table.column(name).to_pylist()) for name in ("kept_wrong", "broken_wrong"))  # type: ignore[return-value]

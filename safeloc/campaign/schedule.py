@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import islice
@@ -130,6 +130,12 @@ def _on_workers(
             running |= {handed_out(number) for number in islice(waiting, 1)}
 
 
+_UNWATCHED: Mapping[str, Any] = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+}
+"""What Dask measures of its own processes, 50 and 100 times a second: nobody reads it here, and it takes part of a core."""
 _ENVIRONMENT = "distributed.nanny.pre-spawn-environ"
 _TRIM = "MALLOC_TRIM_THRESHOLD_"
 """Dask lets workers return each freed page of memory at once; arrays of every cycle then take new pages, and a third of the time."""
@@ -158,6 +164,7 @@ def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
     config, distributed = _dask()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     settings = {
+        **_UNWATCHED,
         "distributed.scheduler.allowed-failures": _ATTEMPTS,
         "distributed.deploy.lost-worker-timeout": "1 hour",  # a killed worker starts again by itself, on a busy computer slowly
         _ENVIRONMENT: {name: value for name, value in config.get(_ENVIRONMENT).items() if name != _TRIM},
