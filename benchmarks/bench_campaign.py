@@ -1,7 +1,7 @@
 """Campaigns: vehicle-cycles a second of one core, and where the time goes; what workers add.
 
 python -m benchmarks.bench_campaign            shares of simulation, machine and counting, for three machines
-python -m benchmarks.bench_campaign workers [SHARDS]    one process against 1, 2 and 8 local workers, on the clock; 120 shards
+python -m benchmarks.bench_campaign workers [SHARDS]    one process against two side by side and 1, 2 and 8 local workers, on the clock; 120 shards
                                                        unless told
 
 Times of the first table are processor time of this process, the best of three shards; the ratio to the machine's own step in C says what the
@@ -11,6 +11,7 @@ rest costs.
 from __future__ import annotations
 
 import resource
+import subprocess
 import sys
 import tempfile
 import time
@@ -103,21 +104,49 @@ def shares() -> None:
 
 
 def workers(shards: int) -> None:
-    """Print the time on the clock, the start of the workers included, of one process and of some workers."""
+    """Print the time on the clock, the start of the workers included, of one process and of some workers.
+
+    What two processes take that know nothing of each other, each with half of the shards, is the most that two cores give:
+    they share memory and caches, also with what else runs on the computer.
+    """
     campaign = declared("odometry", shards)
-    print("| where | seconds | as a share of one process |\n|---|---|---|", flush=True)
-    base = 0.0
-    for name, where in (
-        ("one process, without Dask", Where(in_process=True)),
-        *((f"workers: {number}", Where(workers=number)) for number in (1, 2, 8)),
-    ):
+    print("| where | seconds | times as fast as one process |\n|---|---|---|", flush=True)
+    one, two = side_by_side(shards, 1), side_by_side(shards, 2)
+    print(f"| one process, without Dask | {one:.1f} | 1 |")
+    print(f"| two such processes, half of the shards each | {two:.1f} | {one / two:.2f} |", flush=True)
+    for number in (1, 2, 8):
         with tempfile.TemporaryDirectory() as folder:
             began = time.monotonic()
-            run_missing(campaign, Path(folder), where, lambda _: None)
+            run_missing(campaign, Path(folder), Where(workers=number), lambda _: None)
             taken = time.monotonic() - began
-        base = base or taken
-        print(f"| {name} | {taken:.1f} | {taken / base:.2f} |", flush=True)
+        print(f"| workers: {number} | {taken:.1f} | {one / taken:.2f} |", flush=True)
+
+
+def side_by_side(shards: int, processes: int) -> float:
+    """Return the seconds until so many processes have run their parts, each as a campaign of its own in one process."""
+    command = [sys.executable, "-m", "benchmarks.bench_campaign", "alone", str(shards // processes)]
+    began = time.monotonic()
+    for one in [subprocess.Popen(command) for _ in range(processes)]:
+        one.wait()
+    return time.monotonic() - began
+
+
+def alone(shards: int) -> None:
+    """Run a campaign in this process."""
+    with tempfile.TemporaryDirectory() as folder:
+        run_missing(declared("odometry", shards), Path(folder), Where(in_process=True), lambda _: None)
+
+
+def main() -> None:
+    """Run what the first word asks for."""
+    match sys.argv[1:]:
+        case ["workers", *number]:
+            workers(int(number[0]) if number else 120)
+        case ["alone", number]:
+            alone(int(number))
+        case _:
+            shares()
 
 
 if __name__ == "__main__":
-    workers(int(sys.argv[2]) if sys.argv[2:] else 120) if sys.argv[1:2] == ["workers"] else shares()
+    main()

@@ -7,6 +7,7 @@ that it runs, which another one runs again; this process, if it dies, loses thos
 from __future__ import annotations
 
 import logging
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -23,6 +24,8 @@ from safeloc.proof.cache.engine import source_digest
 
 _AHEAD = 2
 """Shards handed out for each thread of the workers: one runs, one waits, so that no worker waits for this process."""
+CORES = os.cpu_count() or 1
+"""Cores of this computer."""
 _PATIENCE_S = 20.0
 """Time without a result after which it is asked whether there are workers."""
 ASKED = 10
@@ -104,13 +107,16 @@ def _results(campaign: Campaign, left: Sequence[int], where: Where) -> Iterator[
         yield from ((number, run_shard(campaign.text, campaign.name, number)) for number in left)
     else:
         with _client(where) as (client, revive):
-            yield from _on_workers(client, revive, campaign, left)
+            yield from _on_workers(client, revive, campaign, left, CORES if where.scheduler is None else None)
 
 
 def _on_workers(
-    client: Any, revive: Callable[[], None], campaign: Campaign, left: Sequence[int]
+    client: Any, revive: Callable[[], None], campaign: Campaign, left: Sequence[int], cores: int | None
 ) -> Iterator[tuple[int, bytes]]:
-    """Yield the shards as they are done; only a few are handed out at once, so that the scheduler stays small."""
+    """Yield the shards as they are done; only a few are handed out at once, so that the scheduler stays small.
+
+    cores  the cores that all workers share; None if they run elsewhere
+    """
     _, distributed = _dask()
 
     def handed_out(number: int) -> Any:
@@ -118,7 +124,7 @@ def _on_workers(
 
     waiting = iter(left)
     threads = max(1, sum(client.nthreads().values()))
-    running = {handed_out(number) for number in islice(waiting, _AHEAD * threads)}
+    running = {handed_out(number) for number in islice(waiting, handed_out_at_once(threads, cores))}
     while running:
         try:
             done, running = distributed.wait(running, timeout=_PATIENCE_S, return_when="FIRST_COMPLETED")
@@ -136,6 +142,17 @@ _UNWATCHED: Mapping[str, Any] = {
     "distributed.admin.system-monitor.interval": "10s",
 }
 """What Dask measures of its own processes, 50 and 100 times a second: nobody reads it here, and it takes part of a core."""
+
+
+def handed_out_at_once(threads: int, cores: int | None) -> int:
+    """Return how many shards the workers have at a time.
+
+    More workers than cores take turns, a shard each, and one waits: shards that run side by side on one core drive each other
+    out of its caches.
+    """
+    return _AHEAD * threads if cores is None or threads <= cores else cores + 1
+
+
 _ENVIRONMENT = "distributed.nanny.pre-spawn-environ"
 _TRIM = "MALLOC_TRIM_THRESHOLD_"
 """Dask lets workers return each freed page of memory at once; arrays of every cycle then take new pages, and a third of the time."""

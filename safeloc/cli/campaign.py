@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -52,7 +51,7 @@ def campaign(
         return
     if not resume and any((folder / "shards").glob("*.parquet")):
         raise InputError(f"{folder}: holds shards already; go on with --resume, or give another folder.")
-    where = schedule.Where(workers or os.cpu_count() or 1, in_process, scheduler)
+    where = schedule.Where(workers or schedule.CORES, in_process, scheduler)
     data = _all(declared, folder, where, quiet=as_json)
     if as_json:
         print_json(data)
