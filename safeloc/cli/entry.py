@@ -47,6 +47,7 @@ class _Commands(TyperGroup):
                 return super().invoke(ctx)
             finally:
                 sys.stdout.flush()  # here, where a closed pipe can still be distinguished from other errors
+                _say_what_was_not_kept()
         except SafelocError as error:
             err.print(f"safeloc: {error}", markup=False)
             raise typer.Exit(_NO_RESULT) from error
@@ -62,6 +63,17 @@ class _Commands(TyperGroup):
             traceback.print_exception(error)
             err.print("safeloc: failed, as printed above; no result. Please report it.", markup=False)
             raise typer.Exit(_NO_RESULT) from error
+
+
+def _say_what_was_not_kept() -> None:
+    """Say that results were not kept, if that is so; the engine is looked up, not loaded, since most commands do without it."""
+    engine = sys.modules.get("safeloc.proof.cache.engine")
+    if engine is not None and engine.kept_nothing_more():
+        err.print(
+            "safeloc: files of safeloc were written during this run; what it found after that is not kept, and the next run finds it again.",
+            markup=False,
+            soft_wrap=True,
+        )
 
 
 app = typer.Typer(cls=_Commands, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)

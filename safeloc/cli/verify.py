@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -125,7 +126,7 @@ def verify(
         if code(findings) == 0:
             keep_report(store, key, folder, files_of(folder), summed_up(findings))
 
-    page = _report(folder, findings, loaded, plan, store, evidence_of, single, jobs, fresh, written)
+    page = _Report(folder, store, _made(plan), single, jobs, fresh).written(findings, loaded, evidence_of, written)
     copies()
     store.trim()
     if as_json:
@@ -138,34 +139,44 @@ def verify(
     raise typer.Exit(code(findings))
 
 
-def _report(
-    folder: Path,
-    findings: Sequence[Finding],
-    loaded: Sequence[Target],
-    plan: Plan,
-    store: Store,
-    evidence: Mapping[str, Any],
-    single: bool,
-    jobs: int,
-    fresh: bool,
-    on_written: Callable[[Mapping[str, Any]], None],
-) -> Path:
-    """Write the report, with what was measured of its machines before; return the path of the page."""
-    with nullcontext() if fresh else readings_kept_in(store):
-        return write_folder(
-            folder,
-            findings,
-            loaded,
-            evidence=evidence,
-            strengths=strengths_of(store, loaded),
-            single=single,
-            made=_made(plan),
-            margins=margins_of(store, loaded),
-            scores=scores_of(store, loaded),
-            on_written=on_written,
-            jobs=jobs,
-            kept=KeptPieces(store, fresh),
-        )
+@dataclass(frozen=True)
+class _Report:
+    """The report to write.
+
+    made  how it is made, for its reader
+    fresh  whether nothing kept of earlier reports goes into it
+    """
+
+    folder: Path
+    store: Store
+    made: Mapping[str, Any]
+    single: bool
+    jobs: int
+    fresh: bool
+
+    def written(
+        self,
+        findings: Sequence[Finding],
+        loaded: Sequence[Target],
+        evidence: Mapping[str, Any],
+        on_written: Callable[[Mapping[str, Any]], None],
+    ) -> Path:
+        """Write it, with what was measured of its machines before; return the path of the page."""
+        with nullcontext() if self.fresh else readings_kept_in(self.store):
+            return write_folder(
+                self.folder,
+                findings,
+                loaded,
+                evidence=evidence,
+                strengths=strengths_of(self.store, loaded),
+                single=self.single,
+                made=self.made,
+                margins=margins_of(self.store, loaded),
+                scores=scores_of(self.store, loaded),
+                on_written=on_written,
+                jobs=self.jobs,
+                kept=KeptPieces(self.store, self.fresh),
+            )
 
 
 def _stamps(store: Store) -> Iterator[str]:

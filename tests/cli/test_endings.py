@@ -13,8 +13,9 @@ from safeloc.cli import main as commands
 from safeloc.cli import prove, show
 from safeloc.cli.show import Progressing
 from safeloc.language.verdict import Held
+from safeloc.proof.cache import engine
 from safeloc.proof.results import Finding
-from tests.cli.calling import DOOR, Call
+from tests.cli.calling import DOOR, QUICK, Call
 
 ROOT = Path(__file__).parents[2]
 COMMAND = [sys.executable, "-c", "from safeloc.cli import main; main()"]
@@ -41,6 +42,18 @@ def test_no_error_looks_like_a_violation(
     called = call("prove", DOOR)
     assert (called.code, called.out) == (code, "")
     assert message in called.err
+
+
+@pytest.mark.parametrize(("began", "said"), [(0.0, True), (float("inf"), False)])
+def test_results_that_are_not_kept_are_told(
+    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, began: float, said: bool
+) -> None:
+    """A file of the package was written after the process began."""
+    monkeypatch.setattr(engine, "_BEGAN", began)
+    monkeypatch.setattr(engine, "_refused", [])
+    called = call("prove", DOOR, *QUICK, "--cache", str(tmp_path))
+    assert called.code == 0
+    assert ("what it found after that is not kept" in called.err) == said
 
 
 @pytest.mark.thorough(ordinary=1)

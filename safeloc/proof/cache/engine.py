@@ -61,9 +61,20 @@ def undisturbed() -> bool:
     Otherwise the loaded code may differ from the digested files, and no result may enter the cache.
     """
     try:
-        return all(entry.stat().st_ctime <= _BEGAN for entry in _entries(str(PACKAGE), frozenset()))
+        still = all(entry.stat().st_ctime <= _BEGAN for entry in _entries(str(PACKAGE), frozenset()))
     except FileNotFoundError:  # a file was deleted during the check
-        return False
+        still = False
+    if not still:
+        _refused.append(True)
+    return still
+
+
+_refused = list[bool]()
+
+
+def kept_nothing_more() -> bool:
+    """Return whether a result of this process was not kept, since files of the package had been written meanwhile."""
+    return bool(_refused)
 
 
 def _began() -> float:
