@@ -14,16 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
-
 from safeloc.assurance.margins.asking import Answer
 from safeloc.assurance.margins.figures import Figure, figures
 from safeloc.assurance.margins.kept_margins import MARGINS
 from safeloc.assurance.margins.limits_of_figures import Limit
 from safeloc.assurance.margins.makers import machine_digest
 from safeloc.assurance.margins.margin_data import row
-from safeloc.assurance.shipped_files import has_shipped_figures, place_of, shipped_file
-from safeloc.errors import InputError
+from safeloc.assurance.shipped_files import ShippedFile, has_shipped_figures, place_of, read_shipped, shipped_file
 from safeloc.proof.cache.store import Store
 from safeloc.target import Target
 
@@ -36,10 +33,7 @@ _COLUMNS: Mapping[str, Any] = {
 """Columns of a limit in the file, each with the value that may be left out at the end of a row."""
 
 
-class _File(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-    schema_: str
-    digest: str
+class _File(ShippedFile):
     found: str
     seconds: float
     world: list[list[str | int | None]]
@@ -72,7 +66,7 @@ def shipped_margins(target: Target, path: Path | None = None) -> Shipped | None:
     path = shipped_file(target, KIND) if path is None else path
     if path is None:
         return None
-    content = _read(path)
+    content = read_shipped(path, _File, _SCHEMA, "margins")
     if content.digest != machine_digest(target):
         return Shipped(content.found, False, {})
     parts = {"world": _rows(content.world, figures(target)), "pairs": content.pairs}
@@ -136,14 +130,3 @@ def _limit(one: Mapping[str, Any], known: Mapping[str, Figure]) -> Limit:
     return Limit(
         known[one["figure"]], one["direction"], one["holds_to"], end, one["beyond"], one["broken_at"], one["proved_why"]
     )
-
-
-def _read(path: Path) -> _File:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        found = _File.model_validate({"schema_": content.pop("schema", ""), **content})
-    except (ValueError, AttributeError, TypeError, ValidationError) as error:
-        raise InputError(f"{path}: no file of margins: {error}") from error
-    if found.schema_ != _SCHEMA:
-        raise InputError(f"{path}: written as {found.schema_!r}, not as {_SCHEMA!r}.")
-    return found

@@ -13,13 +13,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
 from safeloc.assurance.margins.makers import machine_digest
 from safeloc.assurance.mutation.kept_score import SCORES
 from safeloc.assurance.mutation.strength import Strength, kept_strengths
-from safeloc.assurance.shipped_files import has_shipped_figures, place_of, shipped_file
-from safeloc.errors import InputError
+from safeloc.assurance.shipped_files import ShippedFile, has_shipped_figures, place_of, read_shipped, shipped_file
 from safeloc.proof.cache.store import Store
 from safeloc.target import Target
 
@@ -46,10 +45,7 @@ class _Strength(BaseModel):
     alone: dict[str, int]
 
 
-class _File(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
-    schema_: str
-    digest: str
+class _File(ShippedFile):
     score: _Score
     strengths: dict[str, _Strength]
 
@@ -74,7 +70,7 @@ def shipped_score(target: Target, path: Path | None = None) -> ShippedScore | No
     path = shipped_file(target, KIND) if path is None else path
     if path is None:
         return None
-    content = _read(path)
+    content = read_shipped(path, _File, _SCHEMA, "mutation results")
     if content.digest != machine_digest(target):
         return None
     score = content.score
@@ -128,14 +124,3 @@ def write_shipped_score(
 def _short(one: Strength) -> dict[str, Any]:
     """Return a strength without what the score says of all."""
     return {name: value for name, value in asdict(one).items() if name in _Strength.model_fields}
-
-
-def _read(path: Path) -> _File:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        found = _File.model_validate({"schema_": content.pop("schema", ""), **content})
-    except (ValueError, AttributeError, TypeError, ValidationError) as error:
-        raise InputError(f"{path}: no file of mutation results: {error}") from error
-    if found.schema_ != _SCHEMA:
-        raise InputError(f"{path}: written as {found.schema_!r}, not as {_SCHEMA!r}.")
-    return found
