@@ -143,6 +143,10 @@ class _Search:
         good, bad, run_at = self._narrowed(self._figure.value, end, None, self.answer, _PATIENCE)
         if self.answer(bad).end == "undecided":
             start = bad if run_at is None else run_at
+            if run_at is None and self.again(bad).end == "proved":
+                if bad == end or self.again(end).end == "proved":
+                    return self.at_the_end(end)
+                good, start = bad, end
             good, bad, run_at = self._narrowed(good, start, run_at, self.again, _PATIENCE_AGAIN)
         why = "" if good == self._figure.value else self.answer(good).why
         farther = None if run_at == bad else run_at

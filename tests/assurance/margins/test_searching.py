@@ -130,6 +130,27 @@ def test_a_value_that_is_not_decided_is_asked_again_with_a_longer_limit(said: st
     assert (edge, edge + 1, "broken") == (one.holds_to, one.beyond, one.end.end)
 
 
+@pytest.mark.parametrize(
+    ("patiently", "holds_to", "end", "beyond"),
+    [
+        ((101,), 101, "undecided", 1_000_000),
+        ((101, 1_000_000), 1_000_000, "proved", None),
+        ((), 100, "undecided", 101),
+    ],
+)
+def test_what_a_longer_limit_proves_is_told_as_proved(
+    patiently: tuple[int, ...], holds_to: int, end: str, beyond: int | None
+) -> None:
+    """Beyond 100 nothing is decided at first; the longer limit proves these values."""
+    scripted = Scripted(
+        lambda value: "proved" if value <= 100 else "undecided",
+        lambda value, at: True,
+        patiently=lambda value: "proved" if value in patiently else "",
+    )
+    one = found(scripted)
+    assert (holds_to, end, beyond) == (one.holds_to, one.end.end, one.beyond)
+
+
 def test_a_claim_that_says_nothing_ends_the_search_beside_it() -> None:
     """No run breaks it there, but a proof of it would say nothing either; the nearest such value is found."""
     scripted = Scripted(lambda value: "proved" if value <= 4_711 else "vacuous", lambda value, at: False)
