@@ -17,7 +17,7 @@ from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.language.spec import Property, observe
 from safeloc.language.verdict import Proved, word
 from safeloc.proof.cache.store import Store
-from safeloc.proof.provers.limits import CLOCK, Limits
+from safeloc.proof.provers.limits import CLOCK, Limits, impatient_clock
 from safeloc.proof.provers.portfolio import prove_one, proved_base
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
@@ -27,6 +27,8 @@ _PATIENCE, _QUESTIONS_AS_IT_IS = 3, 20
 """Multiple of the limit for a claim with the figures as they are, and questions with the plain limit that the clock allows for there."""
 _QUESTIONS = 60
 """Questions of one search that the clock allows for; a search over a range of 2**31 asks some 50."""
+_CLOCK = 4.0
+"""Multiple of the limit after which the clock ends a question: of the hundreds of a search, some take minutes for seconds of counted effort."""
 _MOST_WAYS = 4
 """Runs that are tried for a figure before anything is searched."""
 POINTS = 8
@@ -117,7 +119,12 @@ class Margins:
 
     def _task(self, name: str, figure: Figure, way: Direction) -> Task:
         most = CLOCK * _QUESTIONS * len(self.claims) * self.limits.seconds
-        return Task(name, lambda: [asdict(limit(self.asking(), figure, way))], most)
+
+        def work() -> list[dict[str, Any]]:
+            with impatient_clock(_CLOCK):
+                return [asdict(limit(self.asking(), figure, way))]
+
+        return Task(name, work, most)
 
 
 Moving = tuple[Figure, Direction]
@@ -146,7 +153,12 @@ def _said(first: Moving, second: Moving) -> str:
 
 def _task_of_front(margins: Margins, name: str, first: Moving, second: Moving) -> Task:
     most = CLOCK * _QUESTIONS * POINTS * len(margins.claims) * margins.limits.seconds
-    return Task(name, lambda: [[[value, asdict(one)] for value, one in front(margins, first, second)]], most)
+
+    def work() -> list[list[list[Any]]]:
+        with impatient_clock(_CLOCK):
+            return [[[value, asdict(one)] for value, one in front(margins, first, second)]]
+
+    return Task(name, work, most)
 
 
 def front(margins: Margins, first: Moving, second: Moving) -> Iterator[Point]:

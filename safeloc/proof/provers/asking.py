@@ -6,7 +6,7 @@ from typing import Any
 
 import z3
 
-from safeloc.proof.provers.limits import CLOCK, milliseconds, spend
+from safeloc.proof.provers.limits import clock_multiple, milliseconds, spend
 
 UNITS_PER_SECOND = 5_000_000
 """Units of z3's resource count in one second of effort: half of our queries use 5 to 10 million a second on an idle processor."""
@@ -37,7 +37,7 @@ def ask(solver: z3.Solver, seconds: float, *assumptions: Any) -> z3.CheckSatResu
     if seconds <= 0:
         return z3.unknown
     solver.set("rlimit", units(seconds))
-    solver.set("timeout", milliseconds(CLOCK * seconds))
+    solver.set("timeout", milliseconds(clock_multiple() * seconds))
     before = counted(solver)
     answer = solver.check(*assumptions)
     spend((counted(solver) - before) % WRAPS / UNITS_PER_SECOND)

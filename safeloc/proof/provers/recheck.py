@@ -24,7 +24,7 @@ from safeloc import yices
 from safeloc.codegen.smtlib import Key, Query, to_smtlib
 from safeloc.errors import EngineError
 from safeloc.proof.cache.answers import confirmed_before, keep_confirmed
-from safeloc.proof.provers.limits import CLOCK, Deadline, deadline, milliseconds, spend
+from safeloc.proof.provers.limits import Deadline, clock_multiple, deadline, milliseconds, spend
 from safeloc.proof.provers.needed import only_needed
 from safeloc.proof.provers.once import alone_in_asking
 
@@ -254,7 +254,7 @@ def decide(
         solver.setOption(option, value)
     most = seconds if each is None else each
     solver.setOption("rlimit-per", str(max(1, int(UNITS_PER_SECOND * most))))
-    solver.setOption("tlimit-per", str(milliseconds(CLOCK * most)))
+    solver.setOption("tlimit-per", str(milliseconds(clock_multiple() * most)))
     parser = cvc5.InputParser(solver, symbols)
     parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, str(text), file)  # it takes no subclass of str
     try:

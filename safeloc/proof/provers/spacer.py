@@ -24,7 +24,7 @@ from safeloc.proof.provers.facts import about
 from safeloc.proof.provers.further_assumption import nothing_begins
 from safeloc.proof.provers.implication import unproved
 from safeloc.proof.provers.kinduction import given_facts
-from safeloc.proof.provers.limits import CLOCK, Deadline, Limits, deadline, milliseconds, spend
+from safeloc.proof.provers.limits import Deadline, Limits, clock_multiple, deadline, milliseconds, spend
 from safeloc.proof.provers.proved_base import Base, base
 from safeloc.proof.provers.recheck import UNCONFIRMED, certify, confirmed_by
 from safeloc.proof.provers.z3_to_terms import UnreadableError, read_bool
@@ -86,7 +86,9 @@ def _text(reason: str | bytes) -> str:
 def _engine(limits: Limits) -> z3.Fixedpoint:
     engine = z3.Fixedpoint()
     engine.set(
-        engine="spacer", timeout=milliseconds(CLOCK * limits.seconds), rlimit=units(limits.seconds, UNITS_PER_SECOND)
+        engine="spacer",
+        timeout=milliseconds(clock_multiple() * limits.seconds),
+        rlimit=units(limits.seconds, UNITS_PER_SECOND),
     )
     engine.set("spacer.random_seed", limits.seed)
     return engine
