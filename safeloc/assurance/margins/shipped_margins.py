@@ -9,6 +9,7 @@ The runs that break claims are not in it; `safeloc margins` finds them again.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,9 @@ _COLUMNS: Mapping[str, Any] = {
     "broken_at": None,
 }  # fmt: skip
 """Columns of a limit in the file, each with the value that may be left out at the end of a row."""
+_WHY = list(_COLUMNS).index("why")
+_FOLDERS = re.compile(r"/\S*/(?=safeloc/\w)")
+"""The folders above safeloc in a reason that names a place in a machine's file."""
 
 
 class _File(ShippedFile):
@@ -112,6 +116,7 @@ def _joined(rows: Sequence[str]) -> str:
 def _short(limit: Mapping[str, Any]) -> list[Any]:
     """Return a limit in columns, without what is as usual at the end."""
     values = [limit[name] for name in _COLUMNS]
+    values[_WHY] = _FOLDERS.sub("", str(values[_WHY]))
     usual = list(_COLUMNS.values())
     while values and values[-1] == usual[len(values) - 1]:
         values.pop()

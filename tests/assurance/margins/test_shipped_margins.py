@@ -57,6 +57,15 @@ def written(target: Target, path: Path) -> Path:
     )
 
 
+def test_a_reason_names_no_folder_of_this_computer(transmission: Target, tmp_path: Path) -> None:
+    """A refusal names the place in the machine's file, below the package."""
+    said = "transition 'a' (/somewhere/else/safeloc/models/fibre/__init__.py:144): never changes, as 3/4 is no number"
+    refused = Limit(figures(transmission)["period_ms"], "up", 200, Answer("refused", why=said), 201)
+    path = write_shipped(transmission, {"world": [row(refused)]}, DAY, 10.0, tmp_path / "transmission.margins.json")
+    [[*_, why]] = json.loads(path.read_text(encoding="utf-8"))["world"]
+    assert why == "transition 'a' (safeloc/models/fibre/__init__.py:144): never changes, as 3/4 is no number"
+
+
 def test_what_is_written_comes_back(transmission: Target, tmp_path: Path) -> None:
     found = shipped_margins(transmission, written(transmission, tmp_path))
     assert found == Shipped(DAY, True, {"world": limits(transmission), "pairs": [FRONT]})
