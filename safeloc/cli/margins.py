@@ -14,7 +14,7 @@ from safeloc.assurance.margins.kept_margins import keep_margins
 from safeloc.assurance.margins.limits_of_figures import Limit
 from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data, row
 from safeloc.assurance.margins.margin_work import Margins
-from safeloc.catalogue import load_target
+from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
 from safeloc.cli.fronts import declared_pairs, found_fronts, given_pairs, print_front
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
@@ -114,6 +114,8 @@ def margins(
         if wanted:
             _fronts(work, wanted, folder, keep=pairs and only is None, as_json=as_json)
             return
+        if figure is None:
+            _say_what_it_takes(loaded, figures, work.claims)
         limits = _found(work, figures, quiet=as_json)
     if figure is None and only is None:
         keep_margins(store, loaded, work.where, [row(one) for one in limits])
@@ -168,6 +170,21 @@ def _refuse_if_one_fails(work: Margins, *, quiet: bool) -> None:
                     f"there is no margin to find: {claim!r} is {verdict} with the figures as they are (`safeloc prove`); "
                     "give the claims that have to hold with --property."
                 )
+
+
+def _say_what_it_takes(target: Target, figures: Sequence[Figure], claims: Sequence[str]) -> None:
+    """Say of a composition how many questions its limits are, and which machines answer most of them alone."""
+    entry = ENTRIES.get(target.spec)
+    if not target.system.parts or entry is None:
+        return
+    alone = ", ".join(f"`safeloc margins {name}`" for name in entry.pairs_of)
+    err.print(
+        f"{target.name} is a composition: {2 * len(figures)} directions, and each asks up to {len(claims)} claims of the whole at every value. "
+        + (f"Each law stands in the world of one machine: {alone} take minutes. " if alone else "")
+        + "Or name figures with --figure.",
+        markup=False,
+        soft_wrap=True,
+    )
 
 
 def _found(work: Margins, figures: Sequence[Figure], *, quiet: bool) -> list[Limit]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from safeloc.assurance.evidence.interval import HOLDS
+from safeloc.assurance.evidence.interval import HOLDS, claims_of
 from safeloc.assurance.margins.asking import UNMOVED, Answer, Asking, Way, Where, chosen_claims
 from safeloc.assurance.margins.figures import Figure, Refused, chosen_figures, figures, moved
 from safeloc.assurance.margins.limits_of_figures import Direction, Limit, limit, nearest
@@ -17,6 +17,7 @@ from safeloc.assurance.margins.makers import maker_digest
 from safeloc.assurance.margins.margin_data import in_words
 from safeloc.assurance.margins.margin_work import Margins, from_data, front
 from safeloc.catalogue import load_target
+from safeloc.cli.margins import _say_what_it_takes
 from safeloc.errors import InputError
 from safeloc.models.layout_rules import LayoutConfig
 from safeloc.proof.cache.contents import target_digest
@@ -313,3 +314,17 @@ def test_a_claim_that_fails_as_it_is_leaves_no_margin(call: Call, tmp_path: Path
 def test_data_of_a_limit_come_back() -> None:
     one = Limit(Figure("a", 1, "mm", 0, 9), "up", 4, Answer("broken", "c", first={"m": 0}, inputs=({"x": 1},)), 5)
     assert from_data(json.loads(json.dumps(asdict(one)))) == one
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("supervised_odometry", "each asks up to 7 claims of the whole"), ("odometry", "")]
+)
+def test_what_the_limits_of_a_composition_take_is_said_first(
+    name: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its machines alone answer in minutes; those are named."""
+    target = load_target(name)
+    _say_what_it_takes(target, chosen_figures(target, None), [one.name for one in claims_of(target)])
+    told = capsys.readouterr().err
+    assert said in told
+    assert ("`safeloc margins odometry`" in told) == bool(said)
