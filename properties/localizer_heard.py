@@ -17,19 +17,12 @@ from safeloc.language.terms import Substitution
 from safeloc.models import balise, odometry, reflector
 from safeloc.models.arbitration import Source
 from safeloc.models.localizer import Localizer
-from safeloc.models.reflector import variables as reflecting
 from safeloc.models.satellite import variables as satellites
 from safeloc.models.transmission import Transmission
 from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.properties.hearing import INTERVAL, hears_interval, hears_value
+from safeloc.properties.reflector_words import in_words, says_why
 
-_WHY_NO_REFLECTOR: Mapping[Lit, Lit] = {
-    reflecting.NO_ERROR: NO_REFERENCE,
-    reflecting.NO_POSITION: NO_REFERENCE,
-    reflecting.TOLERANCE: TOLERANCE,
-    reflecting.SENSOR_FAILURE: SENSOR_FAILURE,
-    reflecting.NO_SELF_TEST: SENSOR_FAILURE,
-}
 _WHY_NO_SATELLITES: Mapping[Lit, Lit] = {
     satellites.NO_REFERENCE: NO_REFERENCE,
     satellites.TOLERANCE: TOLERANCE,
@@ -37,7 +30,7 @@ _WHY_NO_SATELLITES: Mapping[Lit, Lit] = {
     satellites.CONTRADICTION: CONTRADICTION,
     satellites.DRIFT: CONTRADICTION,
 }
-"""Reasons of these machines, in the words of the vehicle; of a reflector every other one is a contradiction."""
+"""Reasons of the satellite machine, in the words of the vehicle."""
 _for_all_inputs = partial(always, requirements=("RFL-13", "RFL-14"), unconditional=True)
 
 
@@ -103,16 +96,10 @@ def _told(source: Source, into: Substitution, said: Substitution, machine: Machi
     if source.name == "fibre":
         return reason.eq(NO_REFERENCE)
     if source.name == "satellite":
-        return _in_words(reason, said.num(machine.output("reason")), _WHY_NO_SATELLITES)
+        return in_words(reason, said.num(machine.output("reason")), _WHY_NO_SATELLITES)
     if source.name == "reflector":
-        error = said.num(machine.output("error"))
-        others = error.one_of(*_WHY_NO_REFLECTOR) | reason.eq(CONTRADICTION)
-        return _in_words(reason, error, _WHY_NO_REFLECTOR) & others
+        return says_why(reason, said.num(machine.output("error")))
     return reason.eq(said.num(machine.output("reason")))
-
-
-def _in_words(reason: Num, own: Num, words: Mapping[Lit, Lit]) -> Bool:
-    return all_of(own.eq(theirs).implies(reason.eq(ours)) for theirs, ours in words.items())
 
 
 # ------------------------------------------------------------------ the vehicle's distance

@@ -8,6 +8,7 @@ from safeloc.language.system import TransitionSystem
 from safeloc.models import localizer_track
 from safeloc.models.localizer.target import SECTIONS, properties_of_machines
 from safeloc.models.localizer_track import NAME, LocalizerTrackConfig
+from safeloc.models.localizer_track.configurations import CONFIGURATIONS
 from safeloc.models.occupied_track.picture import picture
 from safeloc.models.occupied_track.reported import interval_on_the_edge
 from safeloc.properties import localizer_track as claims
@@ -76,6 +77,7 @@ ENTRIES = (
         members=("motion", "balise", "arbitration", "delocalized", "uplink", "turn_off", "occupied_track"),
         pairs_of=("balise", "turn_off", "occupied_track"),
         silent=("uplink",),
+        configurations=CONFIGURATIONS,
         hazard=Hazard(
             "a track is told on which the vehicle is not",
             ("occupied_track: the true track is carried", "occupied_track: a track that is told is the true one"),

@@ -332,6 +332,14 @@ def _in_order(seen: _Counted) -> Iterator[Property]:
         statement="a train of which all axles have left is taken out of the order of trains in that cycle",
         requirements=_STAY,
     )
+    hears = any_of(seen.order.bool(one) for one in (seen.model.order.own.leaves_low, seen.model.order.own.leaves_high))
+    yield for_all_inputs(
+        "the order hears that clear counters let the train go",
+        all_of([seen.is_clear, seen.was_outermost[0].eq(1), _was_here(seen), ~seen.anyone_enters]).implies(hears),
+        statement="the order of trains hears that a train is gone in the cycle in which the counters report an empty area, though nobody reported its "
+        "exit: what is assumed of a train that was not reported as gone is not assumed of this one",
+        requirements=_STAY,
+    )
     own = seen.model.entry.own
     others = all_of(~seen.entry.bool(one) for one in own.leaves) & _one_enters(seen)
     yield for_all_inputs(
@@ -412,6 +420,12 @@ def _ghosts(seen: _Counted) -> Iterator[Property]:
         "a train is all out when none of its axles is inside",
         seen.area.bool(slot.next_all_out).iff(seen.entry.num(entry.true_axles_inside).eq(0)),
         statement="what is assumed of a train that has left is assumed of one of which no axle is in the area",
+        requirements=_CLEAR,
+    )
+    yield for_all_inputs(
+        "the entry's axle between is an axle between the counters",
+        seen.entry.bool(entry.axle_between).iff(seen.heads.num(seen.model.axle_section.own.axles) > 0),
+        statement="what is assumed of an area without an axle is assumed of one in which no axle is between the counters",
         requirements=_CLEAR,
     )
     own, verified = seen.model.report.own, seen.model.verification

@@ -34,6 +34,7 @@ from safeloc.properties.reflector_device.host import (
     restrictive,
     withdrawn,
 )
+from safeloc.properties.reflector_words import says_why
 from safeloc.properties.turn_off import LAW as IMAGES
 
 LAW = (
@@ -186,6 +187,21 @@ def _told_why(whole: ReflectorDevice) -> Iterator[Property]:
         ),
         statement="without a branch the host's reason is that of the route machine: no start, a contradiction, an interval too wide, a silent odometer; "
         "unless course or route are not the permitted ones",
+    )
+    refuted = other_route(whole) | astray(whole)
+    yield for_all_inputs(
+        "the host is told that course or route are not the permitted ones",
+        refuted.implies(told.eq(CONTRADICTION)),
+        statement="in each cycle in which the route of the movement authority is impossible, or the course at a switch is not the permitted one, the host's "
+        "reason is a contradiction",
+        requirements=("RFL-12", *REQUIREMENTS),
+    )
+    source = whole.source.machine
+    yield for_all_inputs(
+        "the host is told the reflector machine's reason on a branch",
+        (carrying(whole) & ~refuted).implies(says_why(told, whole.composition.of(source).num(source.output("error")))),
+        statement="while a branch is carried, and course and route are the permitted ones, the host's reason is that of the reflector machine",
+        requirements=("RFL-D3", *REQUIREMENTS),
     )
 
 

@@ -35,7 +35,7 @@ from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.models.vocabulary.reasons import TOLERANCE
+from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, TOLERANCE
 from tests.models.inductive import inductive_in
 
 Wires = Mapping[Var, Expr]
@@ -303,6 +303,18 @@ def _always_undisturbed(of: Wired) -> Wires:
     return {of.to("area.counters_healthy"): TRUE}
 
 
+def _refuted_as_lost(of: Wired) -> Wires:
+    """A refuted permission is told as the lack of a reference."""
+    reason = _number(of.right("delocalized.source_reason"))
+    return {of.to("delocalized.source_reason"): ite(reason.eq(CONTRADICTION), NO_REFERENCE, reason)}
+
+
+def _gone_only_if_reported(of: Wired) -> Wires:
+    """A train that is gone since the counters are clear stays in the order."""
+    gone = _flag(of.right("train_order.leaves_low"))
+    return {of.to("train_order.leaves_low"): gone & _flag(of.to("entry.leaves_low"))}
+
+
 # ------------------------------------------------------------------ handover
 
 
@@ -430,6 +442,8 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("reflector_device", _told_is_carried, "the host gets every position that is reported"),
     ("reflector_device", _turns_only_where_watched, "the route hears the course at a switch"),
     ("reflector_device", _first_candidate_only, "the map's routes are candidates"),
+    ("reflector_device", _no_reason, "the host is told the reflector machine's reason on a branch"),
+    ("reflector_device", _refuted_as_lost, "the host is told that course or route are not the permitted ones"),
     ("fibre_area", cut("verification.chain_failed"), "a chain that failed is latched"),
     ("fibre_area", _never_tested, _LACKS),
     ("fibre_area", _failed_until_tested, _ENDS),
@@ -469,6 +483,8 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
         "all axles are counted of a train that had as many as its reference",
     ),
     ("fibre_area", assumed("report.pattern_is_the_trains"), "the train's pattern is one that holds it"),
+    ("fibre_area", cut("entry.axle_between"), "the entry's axle between is an axle between the counters"),
+    ("fibre_area", _gone_only_if_reported, "the order hears that clear counters let the train go"),
     ("fibre_area", cut("area.axle_between"), "axles between the counters keep the train there"),
     (
         "counted_entry",
