@@ -27,7 +27,7 @@ _PATIENCE, _QUESTIONS_AS_IT_IS = 3, 20
 """Multiple of the limit for a claim with the figures as they are, and questions with the plain limit that the clock allows for there."""
 _QUESTIONS = 60
 """Questions of one search that the clock allows for; a search over a range of 2**31 asks some 50."""
-_CLOCK = 4.0
+_CLOCK = 2.5
 """Multiple of the limit after which the clock ends a question: of the hundreds of a search, some take minutes for seconds of counted effort."""
 _MOST_WAYS = 4
 """Runs that are tried for a figure before anything is searched."""
