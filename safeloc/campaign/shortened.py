@@ -1,8 +1,8 @@
 """Shortens a run that was found: messages without which the same still happens are left out of it.
 
 Messages (a marker's reading, a telegram, a radar echo, a fix ...) are left out in halves: of all kinds, then of one kind for all of the
-run, then for a part of it. They stay out where the run still shows what it is kept for: in the cycle in question a wrong interval, or a
-margin no greater, with the laws kept or broken as before and no further clause broken.
+run, then for a part of it. They stay out where the run still shows what it is kept for: in the cycle in question a wrong interval, or one
+that is not wrong and has a margin no greater, with the laws kept or broken as before and no further clause broken.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class _Seen:
 
     def still(self, other: _Seen) -> bool:
         """Return whether the other run shows the same."""
-        most_nm = -1 if self.told and self.margin_nm < 0 else self.margin_nm
+        wrong = self.told and self.margin_nm < 0
         return (
             self.told == other.told
-            and other.margin_nm <= most_nm
+            and (other.margin_nm < 0 if wrong else min(0, self.margin_nm) <= other.margin_nm <= self.margin_nm)
             and bool(self.broken) == bool(other.broken)
             and other.broken <= self.broken
         )

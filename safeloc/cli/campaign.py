@@ -66,7 +66,10 @@ def campaign(
 def _one(declared: Campaign, number: int, folder: Path) -> None:
     from safeloc.campaign.shards import digests, run_shard, write_shard
 
-    path = write_shard(folder, number, digests(declared)[number], run_shard(declared.text, declared.name, number))
+    known = digests(declared)
+    if number not in known:
+        raise InputError(f"--shard {number}: {declared.name} has the shards {min(known)} to {max(known)}.")
+    path = write_shard(folder, number, known[number], run_shard(declared.text, declared.name, number))
     out.print(str(path), markup=False)
 
 
@@ -78,6 +81,7 @@ def _all(declared: Campaign, folder: Path, where: Any, *, quiet: bool) -> dict[s
     try:
         folder.mkdir(parents=True, exist_ok=True)
         run_missing(declared, folder, where, telling)
+        return write_results(declared, folder)
     except KeyboardInterrupt as error:
         done = len(list((folder / "shards").glob("*.parquet")))
         err.print(f"interrupted: {done} shards are kept in {folder}; go on with --resume.", markup=False)
@@ -86,7 +90,6 @@ def _all(declared: Campaign, folder: Path, where: Any, *, quiet: bool) -> dict[s
         raise InputError(f"{folder}: cannot be written: {error}") from error
     finally:
         telling.end()
-    return write_results(declared, folder)
 
 
 class _Telling:

@@ -41,6 +41,15 @@ def given_pairs(texts: Sequence[str], where: str) -> list[Pair]:
     return found
 
 
+def check_pairs(target: Target, pairs: Sequence[Pair]) -> None:
+    """Refuse figures that the target does not have, and directions that are none."""
+    if pairs:
+        known = {one.name: one for one in chosen_figures(target, None)}
+        for one in pairs:
+            _moving(one.first, known)
+            _moving(one.second, known)
+
+
 def found_fronts(work: Margins, pairs: Sequence[Pair], *, quiet: bool) -> list[dict[str, Any]]:
     """Search the front of each pair; return them as data, in order."""
     known = {one.name: one for one in chosen_figures(work.target, None)}

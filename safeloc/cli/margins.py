@@ -16,7 +16,7 @@ from safeloc.assurance.margins.margin_data import SCHEMA, in_words, margins_data
 from safeloc.assurance.margins.margin_work import Margins
 from safeloc.catalogue import ENTRIES, Target, load_target
 from safeloc.cli.console import err, out, print_json
-from safeloc.cli.fronts import declared_pairs, found_fronts, given_pairs, print_front
+from safeloc.cli.fronts import check_pairs, declared_pairs, found_fronts, given_pairs, print_front
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.line_design import DesignOptions, design_line
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
@@ -24,6 +24,7 @@ from safeloc.cli.show import EXIT_CODES, Progressing
 from safeloc.errors import InputError
 from safeloc.proof.cache.answers import kept_in
 from safeloc.proof.provers.limits import Limits
+from safeloc.railway.map.toml_files import shipped_lines
 from safeloc.report.file_names import file_names
 from safeloc.report.margins import alone, front_picture, margins_picture
 from safeloc.target import Pair
@@ -100,6 +101,8 @@ def margins(
         raise typer.BadParameter(f"{for_line.named()[0]} is for the design of a line; give --for too.")
     if where not in get_args(Where):
         raise typer.BadParameter(f"--where is world or design, not {where!r}.")
+    if target not in ENTRIES and target in shipped_lines():
+        raise InputError(f"{target} is a line; say for which tolerance to design it, such as --for tolerance=30m.")
     loaded = load_target(target, config)
     figures, store = chosen_figures(loaded, figure), store_in(cache)
     asked, look_in = chosen_claims(loaded, only), None if fresh else store
@@ -108,6 +111,7 @@ def margins(
         raise typer.BadParameter(
             "--figure asks for the limits of single figures; leave it out beside --pair and --pairs."
         )
+    check_pairs(loaded, wanted)
     work = Margins(loaded, cast(Where, where), asked, Limits(seconds=seconds), jobs, look_in, store)
     with kept_in(store, fresh=fresh):
         _refuse_if_one_fails(work, quiet=as_json)

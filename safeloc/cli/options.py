@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import typer
 
 from safeloc.errors import InputError
+from safeloc.proof.provers.limits import CLOCK
 
 TargetArgument = Annotated[
     str, typer.Argument(help="a name from `safeloc list`, or package.module:name, or file.py:name")
@@ -27,7 +28,7 @@ def _finite(seconds: float) -> float:
 SecondsOption = Annotated[
     float,
     typer.Option(
-        help="limit of effort for each property, in seconds of an idle computer; the clock ends it after six times that",
+        help=f"limit of effort for each property, in seconds of an idle computer; the clock ends it after {CLOCK:g} times that",
         min=0.1,
         callback=_finite,
     ),

@@ -97,7 +97,7 @@ def findings_table(findings: Sequence[Finding], targets: Iterable[Target] = (), 
         _finding(finding)
     for finding in findings:
         _evidence(finding)
-        if isinstance(finding.result, Violated) and finding.kind == "property" and finding.machine in made:
+        if isinstance(finding.result, Violated) and _is_explained(finding, made):
             out.print(f"Why: {_explaining(made[finding.machine], finding)}", markup=False, soft_wrap=True)
         for what, text in finding.notes.items():
             out.print("")
@@ -106,6 +106,13 @@ def findings_table(findings: Sequence[Finding], targets: Iterable[Target] = (), 
         out.print(f"\nWhat to try: safeloc docs {page}", markup=False)
     if sum_up:
         out.print(summed_up(findings), markup=False)
+
+
+def _is_explained(finding: Finding, made: Mapping[str, Target]) -> bool:
+    """Return whether `safeloc explain` knows the finding: a claim that is written on the command line is none of the target's."""
+    target = made.get(finding.machine)
+    names = () if target is None else {prop.name for prop in target.properties}
+    return finding.kind == "property" and finding.id.split("/", 2)[2] in names
 
 
 def _explaining(target: Target, finding: Finding) -> str:

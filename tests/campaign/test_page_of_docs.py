@@ -9,7 +9,9 @@ import pytest
 
 from safeloc.campaign.declaration import Declaration
 from safeloc.campaign.distributions import Choice, Fixed, LogUniform, Normal, Uniform
+from safeloc.campaign.regression import NAME
 from tests.cli.calling import Call
+from tests.started_pytest import run_pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "campaigns.md").read_text(encoding="utf-8")
@@ -23,6 +25,8 @@ def test_the_page_shows_what_is_printed(call: Call, tmp_path: Path) -> None:
     called = call(*words.split())
     assert 0 == called.code
     assert [line for line in SHOWN.splitlines() if line not in called.out.splitlines()] == []
+    told = run_pytest("-q", str(tmp_path / "found" / "streams" / NAME), folder=tmp_path)
+    assert told.returncode == 0, told.stdout
 
 
 def test_the_page_names_every_key() -> None:

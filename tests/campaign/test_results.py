@@ -177,4 +177,6 @@ def test_the_command_goes_on_only_if_told_to(finished: Path, tmp_path: Path, cal
     called = call("campaign", str(file), "--out", str(tmp_path / "one"), "--shard", "1")
     names = {path.name for path in (finished / "shards").iterdir()}
     assert names & {path.name for path in (tmp_path / "one" / "shards").iterdir()}
+    called = call("campaign", str(file), "--out", str(tmp_path / "one"), "--shard", "3")
+    assert (2, True) == (called.code, "has the shards 0 to 2." in " ".join(called.err.split()))
     assert 2 == call("campaign", str(file), "--out", str(tmp_path), "--in-process", "--workers", "2").code

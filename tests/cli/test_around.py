@@ -47,7 +47,8 @@ def test_pictures_streams_and_certificates_are_written(call: Call, tmp_path: Pat
     """The stream replays and breaks the claim; the picture has the band; certificates are those of the proved claim."""
     out = tmp_path / "out"
     ask = ("prove", NEAR, "--simulate", "seed=0", "--within", "distance_mm=10", "--out", str(out))
-    assert call(*ask, "--claim", "place_mm <= 600", "--claim", "place_mm <= 1000").code == 1
+    broken = call(*ask, "--claim", "place_mm <= 600", "--claim", "place_mm <= 1000")
+    assert (broken.code, "safeloc explain" in broken.out) == (1, False)  # which knows no claim that is written here
     assert 'class="band"' in (out / "tube-place-mm.svg").read_text()
     assert list((out / "certificates").glob("*.smt2"))
     rows = [json.loads(line) for line in (out / "place-mm----600.jsonl").read_text().splitlines()[1:]]
@@ -81,6 +82,7 @@ def test_results_as_json(call: Call) -> None:
         (["--simulate", "seed=0", "--from", "3"], "--from and --until say in which cycles a --claim is judged"),
         (["--simulate", "seed=0", "--claim", "true", "--until", "51"], "the stream has the cycles 1 to 50."),
         (["--simulate", "seed=0", "--without", "the vehicle is slo"], "Did you mean 'the vehicle is slow'?"),
+        (["--simulate", "seed=0", "--within", "distance_m=1", "--claim", "true"], "Did you mean 'distance_mm'?"),
         (["--simulate", "seed=0"], "near declares no property; write a claim"),
     ],
 )  # fmt: skip

@@ -104,7 +104,9 @@ def _check_width(system: TransitionSystem, name: str) -> None:
 
 def _unknown(system: TransitionSystem, option: str, name: str) -> InputError:
     inputs = inputs_of(system)
-    near = hint(name, [*inputs, *(var.name for var in system.ghosts)] if option == "--within" else [*inputs])
+    near = hint(name, [*inputs])
+    if not near and option == "--within":
+        near = hint(name, [var.name for var in system.ghosts])
     other = next((one.name for one in system.state if one.name == name), None)
     what = "a state variable, no input" if other else "no output counts, only inputs" if name in system.outputs else ""
     return InputError(

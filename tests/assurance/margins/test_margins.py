@@ -328,3 +328,23 @@ def test_what_the_limits_of_a_composition_take_is_said_first(
     told = capsys.readouterr().err
     assert said in told
     assert ("`safeloc margins odometry`" in told) == bool(said)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("valley",), "valley is a line; say for which tolerance to design it, such as --for tolerance=30m."),
+        (("transmission", "--pair", "age_limit_ms:up,period_m:down"), "period_m"),
+        (("transmission", "--pair", "age_limit_ms:up,period_ms:sideways"), "sideways"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_before_anything_is_proved(
+    arguments: tuple[str, ...],
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("safeloc.cli.margins.Margins", None)  # nobody comes so far
+    called = caller(monkeypatch, capsys)("margins", *arguments)
+    assert called.code == 2
+    assert said in " ".join(called.err.replace("│", " ").split())
