@@ -1,7 +1,8 @@
 """Write the margins that ship: `python -m tests.margins [--cache FOLDER] MACHINE ...` writes MACHINE.margins.json into its folder.
 
 Run this after `safeloc margins MACHINE` and `safeloc margins MACHINE --pairs` with the same cache: what those found and kept for the
-machine as it stands is written. A machine of which nothing is kept is an error.
+machine as it stands is written, and of what they did not ask what the file has already, if it is of this version of the machine. A machine
+of which nothing is kept is an error.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from safeloc.assurance.margins.kept_margins import MARGINS
-from safeloc.assurance.margins.shipped_margins import write_shipped
+from safeloc.assurance.margins.shipped_margins import shipped_margins, write_shipped
 from safeloc.catalogue import load_target
 from safeloc.proof.cache.store import Store, usual_folder, utc_now
 
@@ -31,6 +32,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         parts = MARGINS.kept(Store(asked.cache), target)
         if parts is None:
             parser.error(f"nothing is kept of {name} in {asked.cache}: run `safeloc margins {name}` first")
+        shipped = shipped_margins(target)
+        parts = {**({} if shipped is None else shipped.parts), **parts}
         path = write_shipped(target, parts, utc_now()[:10], asked.seconds)
         print(f"{path}: {path.stat().st_size} bytes")
 
