@@ -39,6 +39,8 @@ def counted(model: FibreArea) -> Iterator[Property]:
     yield from _area(seen)
     yield _there(seen)
     yield from _ghosts(seen)
+    yield _axle_between(seen)
+    yield _hears_clear(seen)
 
 
 class _Counted:
@@ -332,14 +334,6 @@ def _in_order(seen: _Counted) -> Iterator[Property]:
         statement="a train of which all axles have left is taken out of the order of trains in that cycle",
         requirements=_STAY,
     )
-    hears = any_of(seen.order.bool(one) for one in (seen.model.order.own.leaves_low, seen.model.order.own.leaves_high))
-    yield for_all_inputs(
-        "the order hears that clear counters let the train go",
-        all_of([seen.is_clear, seen.was_outermost[0].eq(1), _was_here(seen), ~seen.anyone_enters]).implies(hears),
-        statement="the order of trains hears that a train is gone in the cycle in which the counters report an empty area, though nobody reported its "
-        "exit: what is assumed of a train that was not reported as gone is not assumed of this one",
-        requirements=_STAY,
-    )
     own = seen.model.entry.own
     others = all_of(~seen.entry.bool(one) for one in own.leaves) & _one_enters(seen)
     yield for_all_inputs(
@@ -355,6 +349,17 @@ def _in_order(seen: _Counted) -> Iterator[Property]:
         "clear counters make the order known",
         (seen.is_clear & quiet).implies(seen.is_ordered & ~_listed(seen)),
         statement="in a cycle in which the counters report an empty area and no train comes or goes, the order of trains is known: none is there",
+        requirements=_STAY,
+    )
+
+
+def _hears_clear(seen: _Counted) -> Property:
+    hears = any_of(seen.order.bool(one) for one in (seen.model.order.own.leaves_low, seen.model.order.own.leaves_high))
+    return for_all_inputs(
+        "the order hears that clear counters let the train go",
+        all_of([seen.is_clear, seen.was_outermost[0].eq(1), _was_here(seen), ~seen.anyone_enters]).implies(hears),
+        statement="the order of trains hears that a train is gone in the cycle in which the counters report an empty area, though nobody reported its "
+        "exit: what is assumed of a train that was not reported as gone is not assumed of this one",
         requirements=_STAY,
     )
 
@@ -422,12 +427,6 @@ def _ghosts(seen: _Counted) -> Iterator[Property]:
         statement="what is assumed of a train that has left is assumed of one of which no axle is in the area",
         requirements=_CLEAR,
     )
-    yield for_all_inputs(
-        "the entry's axle between is an axle between the counters",
-        seen.entry.bool(entry.axle_between).iff(seen.heads.num(seen.model.axle_section.own.axles) > 0),
-        statement="what is assumed of an area without an axle is assumed of one in which no axle is between the counters",
-        requirements=_CLEAR,
-    )
     own, verified = seen.model.report.own, seen.model.verification
     of, report = seen.model.composition.of(verified.machine), seen.model.composition.of(seen.model.report.machine)
     stored = of.num(verified.machine.mode).one_of(*verified.machine.modes[1:3])
@@ -437,5 +436,15 @@ def _ghosts(seen: _Counted) -> Iterator[Property]:
             stored & of.num(verified.own.axles).eq(of.num(verified.own.stored_axles))
         ),
         statement="what is assumed of a count is assumed of one with as many axles as the reference that is stored",
+        requirements=_CLEAR,
+    )
+
+
+def _axle_between(seen: _Counted) -> Property:
+    """Claim the same of the entry's ghost."""
+    return for_all_inputs(
+        "the entry's axle between is an axle between the counters",
+        seen.entry.bool(seen.model.entry.own.axle_between).iff(seen.heads.num(seen.model.axle_section.own.axles) > 0),
+        statement="what is assumed of an area without an axle is assumed of one in which no axle is between the counters",
         requirements=_CLEAR,
     )

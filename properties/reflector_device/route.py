@@ -63,7 +63,8 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device that concern its route."""
     makers = (
-        _branch, _branches, _others, _too_many, _lost, _only_lost, _told_why, _starts, _candidates, _near_the_start, _sightings,
+        _branch, _branches, _others, _too_many, _lost, _only_lost, _told_why, _told_refuted,
+        _told_by_reflectors, _starts, _candidates, _near_the_start, _sightings,
         _courses,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(whole)]
@@ -172,34 +173,44 @@ def _only_lost(whole: ReflectorDevice) -> Iterator[Property]:
     )
 
 
-def _told_why(whole: ReflectorDevice) -> Iterator[Property]:
+def _told(whole: ReflectorDevice) -> Num:
+    """Return the reason that the restrictive state hears."""
     [heard] = [one for one in whole.restrictive.inputs if isinstance(one, NumVar) and one.name == "source_reason"]
-    why, told = _why(whole), whole.composition.of(whole.restrictive).num(heard)
+    return whole.composition.of(whole.restrictive).num(heard)
+
+
+def _refuted(whole: ReflectorDevice) -> Bool:
+    """Return whether course or route are not the permitted ones."""
+    return other_route(whole) | astray(whole)
+
+
+def _told_why(whole: ReflectorDevice) -> Iterator[Property]:
+    why, told = _why(whole), _told(whole)
+    in_words = all_of(why.eq(of_route).implies(told.eq(for_host)) for of_route, for_host in _REASONS.items())
     yield for_all_inputs(
         "the host is told why no branch is carried",
-        any_of(
-            [
-                carrying(whole),
-                other_route(whole),
-                astray(whole),
-                all_of(why.eq(of_route).implies(told.eq(for_host)) for of_route, for_host in _REASONS.items()),
-            ]
-        ),
+        any_of([carrying(whole), _refuted(whole), in_words]),
         statement="without a branch the host's reason is that of the route machine: no start, a contradiction, an interval too wide, a silent odometer; "
         "unless course or route are not the permitted ones",
     )
-    refuted = other_route(whole) | astray(whole)
+
+
+def _told_refuted(whole: ReflectorDevice) -> Iterator[Property]:
     yield for_all_inputs(
         "the host is told that course or route are not the permitted ones",
-        refuted.implies(told.eq(CONTRADICTION)),
+        _refuted(whole).implies(_told(whole).eq(CONTRADICTION)),
         statement="in each cycle in which the route of the movement authority is impossible, or the course at a switch is not the permitted one, the host's "
         "reason is a contradiction",
         requirements=("RFL-12", *REQUIREMENTS),
     )
+
+
+def _told_by_reflectors(whole: ReflectorDevice) -> Iterator[Property]:
     source = whole.source.machine
+    error = whole.composition.of(source).num(source.output("error"))
     yield for_all_inputs(
         "the host is told the reflector machine's reason on a branch",
-        (carrying(whole) & ~refuted).implies(says_why(told, whole.composition.of(source).num(source.output("error")))),
+        (carrying(whole) & ~_refuted(whole)).implies(says_why(_told(whole), error)),
         statement="while a branch is carried, and course and route are the permitted ones, the host's reason is that of the reflector machine",
         requirements=("RFL-D3", *REQUIREMENTS),
     )

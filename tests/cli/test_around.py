@@ -50,6 +50,9 @@ def test_pictures_streams_and_certificates_are_written(call: Call, tmp_path: Pat
     broken = call(*ask, "--claim", "place_mm <= 600", "--claim", "place_mm <= 1000")
     assert (broken.code, "safeloc explain" in broken.out) == (1, False)  # which knows no claim that is written here
     assert 'class="band"' in (out / "tube-place-mm.svg").read_text()
+    deviation = (out / "tube-distance-mm-deviation.svg").read_text()
+    # the tube that was asked for, not the widest one in which the claim holds
+    assert {">10 mm<", ">\N{MINUS SIGN}10 mm<"} <= set(re.findall(r">[^<>]+<", deviation))
     assert list((out / "certificates").glob("*.smt2"))
     rows = [json.loads(line) for line in (out / "place-mm----600.jsonl").read_text().splitlines()[1:]]
     assert sum(row["distance_mm"] for row in rows) > 600

@@ -106,6 +106,7 @@ class _Run:
         self.witness: Member | None = None
         self.shown: dict[Asked, Shown] = {}
         self._passages: dict[Passage, Shown] = {}
+        self._was_watched = False
 
     # -------------------------------------------------------------- findings
 
@@ -123,7 +124,14 @@ class _Run:
             if isinstance(outcome, Holds) and outcome.passage is not None:
                 self.shown[asked] = self._passages[outcome.passage]
             found[asked] = self._result(asked, outcome, words)
+        self._watch_the_whole_tube(left)
         return [self._finding(one, *found[one]) for one in self.of.asked]
+
+    def _watch_the_whole_tube(self, asked: Sequence[Asked]) -> None:
+        """Go through the tube for whoever watches, where no claim needed that: each was broken by a stream at its corners."""
+        on_board = [one for one in asked if speaks_of(self.board.system, one.prop)]
+        if self.of.watched is not None and not self._was_watched:
+            self._passed(self.board, on_board[:1], self._tube(PARTS))
 
     def _finding(self, asked: Asked, result: Result, method: str) -> Finding:
         tube = f"{self.of.name} within {self.of.deviations.told(self.of.system)}"
@@ -196,7 +204,7 @@ class _Run:
         tube = self._tube(PARTS, lawful=lawful)
 
         def decide(parts: int) -> Outcome:
-            [(_, outcome, _)] = self._decided([asked], self._tube(parts))
+            [(_, outcome, _)] = self._decided([asked], self._tube(parts), whole=False)
             return outcome
 
         def again(parts: int, cycle: int) -> Breaks | None:
@@ -212,8 +220,8 @@ class _Run:
         system = self.of.system if lawful else self.board.system
         return Tube(system, self.of.given, self.of.deviations.scaled(parts))
 
-    def _decided(self, asked: Sequence[Asked], tube: Tube) -> list[tuple[Asked, Outcome, str]]:
-        """Decide claims in one tube, each in the first way that decides it."""
+    def _decided(self, asked: Sequence[Asked], tube: Tube, *, whole: bool = True) -> list[tuple[Asked, Outcome, str]]:
+        """Decide claims in one tube, each in the first way that decides it; `whole` if it is the tube that was asked for."""
         found: list[tuple[Asked, Outcome, str]] = []
         left = list(asked)
         on_board = [one for one in left if speaks_of(self.board.system, one.prop)]
@@ -221,7 +229,7 @@ class _Run:
             found.append((one, broken, "streams at the corners of the tube"))
             left.remove(one)
         on_board = [one for one in on_board if one in left]
-        for one, outcome in self._passed(self.board, on_board, tube).items():
+        for one, outcome in self._passed(self.board, on_board, tube, whole=whole).items():
             settled = self._settled_on_board(one, outcome)
             if settled is not None:
                 found.append((one, settled, self.board.words))
@@ -233,7 +241,8 @@ class _Run:
                 left.remove(one)
         for group in _alike(left):
             way = self._lawful_way(group[0].prop)
-            found += [(one, outcome, way.words) for one, outcome in self._passed(way, group, tube).items()]
+            passed = self._passed(way, group, tube, whole=whole)
+            found += [(one, outcome, way.words) for one, outcome in passed.items()]
         return found
 
     def _in_general(self, asked: Asked) -> Mapping[str, str] | None:
@@ -292,14 +301,16 @@ class _Run:
             system = replace(system, assume=all_of([system.assume, prop.further_assumption]))
         return _Way(system, words, lawful=True)
 
-    def _passed(self, way: _Way, asked: Sequence[Asked], tube: Tube) -> dict[Asked, Outcome]:
-        """Go through the tube in one way."""
+    def _passed(self, way: _Way, asked: Sequence[Asked], tube: Tube, *, whole: bool = True) -> dict[Asked, Outcome]:
+        """Go through the tube in one way; only the whole one is watched."""
         if not asked:
             return {}
+        self._was_watched = self._was_watched or whole
         space, claims = self._space(way, asked, tube)
-        self.of.say(f"{len(asked)} claims through {_last(asked, tube)} cycles, {way.words}")
+        claims_in_words = "1 claim" if len(asked) == 1 else f"{len(asked)} claims"
+        self.of.say(f"{claims_in_words} through {_last(asked, tube)} cycles, {way.words}")
         outcomes = Windows(
-            space, list(claims.values()), self.of.limits, watched=self.of.watched, ends=self._ends
+            space, list(claims.values()), self.of.limits, watched=self.of.watched if whole else None, ends=self._ends
         ).outcomes()
         facts = base(way.system, seconds=self.of.limits.seconds).certificates if way.lawful else {}
         for outcome in outcomes.values():
