@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from safeloc.errors import InputError
+from safeloc.language.renamed import hint
 from safeloc.language.system import TransitionSystem
 from safeloc.models.balise.simulation import many as balise_runs
 from safeloc.models.balise.simulation.many import Line
@@ -190,7 +191,9 @@ ON_LINE: Mapping[str, type[OdometryOnLine | BaliseOnLine]] = {"odometry": Odomet
 def configured(machine: str, vehicle: LineVehicle) -> OdometryConfig | BaliseConfig:
     """Return the configuration of a machine for a vehicle; InputError for a machine that no campaign drives along a line."""
     if machine not in ON_LINE:
-        raise InputError(f"a campaign drives no {machine} along a line; it drives {', '.join(ON_LINE)}.")
+        raise InputError(
+            f"a campaign drives no {machine} along a line; it drives {', '.join(ON_LINE)}.{hint(machine, ON_LINE)}"
+        )
     config = fitting(vehicle, machine)
     assert isinstance(config, OdometryConfig | BaliseConfig)
     return config

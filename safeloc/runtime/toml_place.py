@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from pydantic import ValidationError
 
+from safeloc.language.renamed import hint
 from safeloc.runtime.flaws import FlawsError
 from safeloc.runtime.outside import quoted
 
@@ -100,11 +102,21 @@ def refusal(error: ValidationError, where: Callable[[Place], str], within: tuple
         return f"{across.told(where).rstrip('.')}."
     place = (*within, *first["loc"])
     key = ".".join(str(part) for part in place)
-    message = first["msg"].removeprefix("Value error, ")
+    message = _in_words(first)
     text = f"{where(place)}: {key}: {message}" if key else f"{where(())}: {message}"
     more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
     got = f" (got {quoted(first['input'])})" if key and not isinstance(first["input"], (dict, list)) else ""
-    return f"{text.rstrip('.')}{got}.{more}"
+    end = "" if text.endswith("?") and not got else "."
+    return f"{text.rstrip('.')}{got}{end}{more}"
+
+
+def _in_words(error: Mapping[str, Any]) -> str:
+    """Return what is wrong with a value; an unknown kind of a table is told with the kinds that there are."""
+    if error["type"] == "union_tag_invalid":
+        named, known = error["ctx"]["tag"], error["ctx"]["expected_tags"].replace("'", "").split(", ")
+        said = f"there is no {error['ctx']['discriminator'].strip(chr(39))} {named!r}; there are {', '.join(known)}"
+        return f"{said}.{hint(named, known)}"
+    return str(error["msg"]).removeprefix("Value error, ")
 
 
 def _within(inner: tuple[int | str, ...], outer: tuple[int | str, ...]) -> bool:

@@ -13,7 +13,9 @@ from safeloc.errors import InputError
 from tests.campaign.declared import ON_VALLEY, SMALL
 
 WRONG = {
-    "unknown distribution": ('"choice", values', '"poisson", values', r"c\.toml:6: figures\.top_share: .*'poisson'.*'fixed'"),
+    "unknown distribution": ('"choice", values', '"poisson", values', r"c\.toml:6: figures\.top_share: there is no distribution 'poisson'; there are fixed, uniform, "),
+    "misspelt distribution": ('"choice", values', '"choise", values', r"there is no distribution 'choise'.* Did you mean 'choice'\?$"),
+    "misspelt machine": ('machine = "odometry"', 'machine = "odometrie"', r"drives no odometrie .* Did you mean 'odometry'\?"),
     "wrong unit": ('1.0], unit = "share"', '1.0], unit = "mm"', r"c\.toml:6: figures\.top_share: its unit is share, not 'mm'"),
     "wrong unit of a time": ('20, unit = "s"', '20, unit = "m"', r"c\.toml:26: .*begin: its unit is cycles, ms or s, not 'm'"),
     "no unit": ('1.0], unit = "share"', "1.0]", r"c\.toml:6: .*unit: Field required"),
