@@ -17,8 +17,9 @@ from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import absent_everywhere, through_border
 from safeloc.simulation.motion import Motion, Motions
-from safeloc.simulation.physics.conditions import Conditions, Wheel
+from safeloc.simulation.physics.conditions import Conditions, Unit
 from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander, wander_within
+from safeloc.simulation.physics.speed_radar import SHARED_RADAR
 from safeloc.simulation.sensors import SEVERITY, Distances, measure, measure_many
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
@@ -87,17 +88,25 @@ def measured_by_many(
     """
     odometer = _measured(name, config.odometer, motions, seeds, faults)
     if met is not None:
-        wheel = Wheel(name, name, config.odometer, config.physics, config.period_ms)
+        wheel = Unit(name, name, config.odometer, config.physics, config.period_ms)
         odometer = met.measured(wheel, odometer, faults)
     check = None if config.check is None else _measured("check", config.check, motions, seeds, [()] * len(seeds))
+    if met is not None and config.check is not None and check is not None and config.check.kind == "radar":
+        radar = Unit(SHARED_RADAR, "check", config.check, config.physics, config.period_ms)
+        check = met.measured_by_radar(radar, check, [()] * len(seeds))
     lawful = _odometer_lawful(odometer.wander_nm, len(seeds))
-    if met is not None and met.by_physics.any() and check is not None:
+    if met is not None and _by_physics(met).any() and check is not None:
         lawful = _by_hindsight(config, met, odometer, check)
     return Measured(odometer, check, _reported(config, odometer, check, lawful, libraries), lawful)
 
 
 def _odometer_lawful(wander_nm: NDArray[np.int64], vehicles: int) -> LawfulUnit:
     return LawfulUnit(np.zeros(vehicles, dtype=np.bool_), wander_nm, np.zeros_like(wander_nm))
+
+
+def _by_physics(met: Conditions) -> NDArray[np.bool_]:
+    """Return which vehicles have a wheel or a radar that is simulated from its physics."""
+    return met.by_physics | met.radars_by_physics(SHARED_RADAR)
 
 
 def _by_hindsight(config: MotionConfig, met: Conditions, odometer: Distances, check: Distances) -> LawfulUnit:
@@ -114,7 +123,7 @@ def _by_hindsight(config: MotionConfig, met: Conditions, odometer: Distances, ch
         still = of_odometer & of_check & (odometer.distance_mm == 0) & (np.abs(check.distance_mm) <= floor)
     wander, unlawful = lawful_wander(met.true_nm, check.distance_mm, of_check & ~still, config.check, config.period_ms)
     place, creeps = _between_pulses(config, met.true_nm, still)
-    is_check = met.by_physics & (first_breach(unlawful | creeps) > first_breach(broken))
+    is_check = _by_physics(met) & (first_breach(unlawful | creeps) > first_breach(broken))
     return LawfulUnit(is_check, np.where(is_check, wander, odometer.wander_nm), np.where(is_check, place, 0))
 
 

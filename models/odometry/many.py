@@ -24,11 +24,12 @@ from safeloc.simulation.faults import Fault, Kinds
 from safeloc.simulation.many_runs import Array, Drawn, DrawnFigure, ManyRuns, absent_everywhere
 from safeloc.simulation.motion import Motions
 from safeloc.simulation.physics import conditions, reader_timing
-from safeloc.simulation.physics.conditions import Conditions, Wheel
+from safeloc.simulation.physics.conditions import Conditions, Unit
 from safeloc.simulation.physics.late_readings import late_readings
 from safeloc.simulation.physics.lawful_wander import can_be_run, first_breach, lawful_wander
 from safeloc.simulation.physics.map_errors import MapError
 from safeloc.simulation.physics.reader_timing import Way, timing_of
+from safeloc.simulation.physics.speed_radar import SHARED_RADAR
 from safeloc.simulation.reader_faults import with_faults
 from safeloc.simulation.sensors import (
     SEVERITY,
@@ -65,7 +66,10 @@ class Drives:
 def figures_of(config: OdometryConfig) -> dict[str, DrawnFigure]:
     """Return the figures of the sensors that may be drawn."""
     found = {MISSED: DrawnFigure("share", 0, 1, 0.0, "markers that a reader does not report")}
-    found |= conditions.figures_of([name for name, law in units_of(config).items() if law.kind == "wheel"])
+    wheels, radars = (
+        [name for name, law in units_of(config).items() if law.kind == kind] for kind in ("wheel", "radar")
+    )
+    found |= conditions.figures_of(wheels, radars)
     found |= READER_FIGURES
     for name in units_of(config):
         found[f"{name}_severity"] = DrawnFigure(
@@ -99,7 +103,9 @@ def simulate_many(
     for name, law in units_of(config).items():
         unit = _measured(name, law, true, config.period_ms, drawn)
         if law.kind == "wheel":
-            unit = met.measured(_wheel(config, name, law), unit, drawn.faults)
+            unit = met.measured(_unit(config, name, law), unit, drawn.faults)
+        if law.kind == "radar":
+            unit = met.measured_by_radar(_unit(config, name, law), unit, drawn.faults)
         inputs[f"{name}_mm"], inputs[f"{name}_mm.present"] = unit.distance_mm, unit.present
         inputs[f"{name}_next_wander_nm"] = unit.wander_nm
     maps = met.maps(max((place for _, place in markers), default=0))
@@ -108,11 +114,11 @@ def simulate_many(
     return ManyRuns(inputs)
 
 
-def _wheel(config: OdometryConfig, name: str, law: ErrorLaw) -> Wheel:
-    """Return the wheel of either device, that of the rear one as far behind as the reader there."""
+def _unit(config: OdometryConfig, name: str, law: ErrorLaw) -> Unit:
+    """Return the wheel or radar of either device, that of the rear one as far behind as the reader there."""
     behind_mm = config.vehicle_length_mm if name.startswith("rear") else 0
     limits = Physics.of(config, config.lone_limit_cycles + 1)
-    return Wheel(name, name, law, limits, config.period_ms, behind_mm)
+    return Unit(name, name, law, limits, config.period_ms, behind_mm)
 
 
 def simulate_shared(
@@ -145,8 +151,11 @@ def simulate_shared(
             faults=[[fault for fault in own if fault.where not in READERS] for own in faults],
         )  # fmt: skip
         if other is None and law.kind == "wheel":
-            wheel = replace(_wheel(config, name, law), figures=SHARED_WHEEL)
+            wheel = replace(_unit(config, name, law), figures=SHARED_WHEEL)
             unit = met.measured(wheel, unit, faults)
+        if other is None and law.kind == "radar":
+            radar = replace(_unit(config, name, law), figures=SHARED_RADAR)
+            unit = met.measured_by_radar(radar, unit, faults)
         inputs[f"{name}_mm"] = np.where(unit.present, unit.distance_mm, 0)
         inputs[f"{name}_mm.present"], inputs[f"{name}_next_wander_nm"] = unit.present, unit.wander_nm
     accuracy_mm = dict.fromkeys((marker for marker, _ in markers), _ACCURACY_MM)
@@ -163,18 +172,19 @@ def simulate_shared(
     return inputs
 
 
-def faulty_wheel(
+def faulty_unit(
     config: OdometryConfig, met: Conditions, told: Mapping[str, tuple[NDArray[np.int64], NDArray[np.bool_]]]
 ) -> NDArray[np.int64]:
-    """Return the unit of each vehicle that breaks its law, as the world numbers it: of several wheels the first that does; 0 for none.
+    """Return the unit of each vehicle that breaks its law, as the world numbers it: of several units the first that does; 0 for none.
 
-    told  of each wheel by its name: what it told in each cycle, mm, and whether it told anything, arrays [cycle, vehicle]
+    told  of each unit by its name: what it told in each cycle, mm, and whether it told anything, arrays [cycle, vehicle]
     """
     found = np.zeros(len(met.seeds), dtype=np.int64)
-    if not met.by_physics.any():
+    by_physics = met.by_physics | met.radars_by_physics(SHARED_RADAR)
+    if not by_physics.any():
         return found
     laws, cycles = units_of(config), len(met.true_nm)
-    earliest = np.where(met.by_physics, cycles, 0)
+    earliest = np.where(by_physics, cycles, 0)
     for name, (told_mm, present) in told.items():
         counts = can_be_run(told_mm, present, Physics.of(config, config.lone_limit_cycles + 1))
         _, broken = lawful_wander(met.true_nm, told_mm, counts, laws[name], config.period_ms)

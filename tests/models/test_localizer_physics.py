@@ -40,6 +40,9 @@ LATE = {
     "reader_processing_ms": 60, "reader_jitter_ms": 20, "reader_telegrams": 2, "reader_failed": 0.3, "reader_contact_mm": 1_000,
     "front_mounting_mm": 200, "rear_mounting_mm": -200,
 }  # fmt: skip
+RADARS = {**WITHIN, "speed_radar_noise_mm_s": 50, "speed_radar_mounting_ppm": 5_000}
+TILTED = {**RADARS, "speed_radar_mounting_ppm": 100_000}
+"""Radars that are mounted a little off their angle, and far off it."""
 POOR_MAP = {**WITHIN, "map_offset_mm": -2_500}
 
 
@@ -76,13 +79,13 @@ def broken(found: Outcome, vehicle: int) -> list[str]:
 
 def test_a_vehicle_is_alone_what_it_is_among_others() -> None:
     """Bit by bit, whatever rail, map and sky the others have; also one that errs by the laws alone."""
-    physics = (PLAIN, WITHIN, LEAVES, CITY, POOR_MAP, CITY_RATES, LATE)
+    physics = (PLAIN, WITHIN, LEAVES, CITY, POOR_MAP, CITY_RATES, LATE, RADARS)
     found = Fleet(vehicles(*physics, journey=SHORT), shown().system, None).inputs()
     streams = [with_truth(CONFIG, replace(SHORT, physics=one), seed=3 + number) for number, one in enumerate(physics)]
     expected = packed(shown().system, streams, len(streams[0]))
     assert expected.keys() == found.keys()
     assert [name for name, values in found.items() if not np.array_equal(values, expected[name])] == []
-    assert 7 == len({tuple(column) for column in found["motion.odometer_mm"].T})
+    assert 8 == len({tuple(column) for column in found["motion.odometer_mm"].T})
 
 
 @pytest.mark.thorough
@@ -104,9 +107,21 @@ def test_each_law_is_broken_by_what_leaves_it() -> None:
     assert not (found.told & (found.margin_nm < 0) & ~found.broken).any()
 
 
+@pytest.mark.thorough
+def test_radars_that_are_tilted_alike_break_two_laws() -> None:
+    """One unit of odometry may break its law: that is the first radar that does. The other one, mounted alike, breaks a clause; wheels contradict both."""
+    found = outcome(RADARS, TILTED)
+    of_radars = {f"odometry: {end}_radar obeys its error law" for end in ("front", "rear")}
+    within, beyond = (broken(found, vehicle) for vehicle in range(2))
+    assert (within, len(beyond), set(beyond) < of_radars) == ([], 1, True)
+    assert not (found.told & (found.margin_nm < 0)).any()
+
+
 def test_figures_are_declared_with_units() -> None:
     """Every figure of rail, wheels, map and sky has its range, unit and meaning, and a default within."""
-    assert {"share", "mm", "ppm", "cycles", "ms", "telegrams", "dB", "dB/km"} == {one.unit for one in PHYSICS.values()}
+    assert {"share", "mm", "mm/s", "ppm", "cycles", "ms", "telegrams", "dB", "dB/km"} == {
+        one.unit for one in PHYSICS.values()
+    }
     assert all(one.low <= one.default <= one.high and one.what for one in PHYSICS.values())
 
 

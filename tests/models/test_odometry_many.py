@@ -138,6 +138,32 @@ def test_wheels_and_maps_by_physics_are_alone_what_they_are_among_others() -> No
     assert [{"front_wheel obeys its error law", "rear_wheel obeys its error law"}, set(), set()] == broken
 
 
+def test_radars_by_physics_break_their_law_where_they_are_mounted_wrongly() -> None:
+    """A radar that measures a tenth too far breaks its law of five per cent, a noisy one does not; the wheel beside it keeps its own errors."""
+    text = ON_VALLEY[: ON_VALLEY.index("[[situations.faults]]")]
+    scene, drawn, by_law = drawn_runs(parse_campaign(text, "c.toml"), parse_campaign(text, "c.toml").shards[0])
+    figures = {
+        **drawn.figures,
+        "front_radar_noise_mm_s": np.array([50.0, 50.0, 0.0]),
+        "front_radar_mounting_ppm": np.array([0.0, 100_000.0, 100_000.0]),
+    }
+    runs = scene.simulation.runs(replace(drawn, figures=figures), 600)
+    other = scene.simulation.runs(drawn, 600)
+    changed = {name for name, values in runs.inputs.items() if not np.array_equal(values, other.inputs[name])}
+    assert {"front_radar_mm", "front_radar_next_wander_nm"} == changed
+    assert np.array_equal(
+        runs.inputs["front_radar_mm"][:, 2], other.inputs["front_radar_mm"][:, 2]
+    )  # by its law, without noise
+    judge = JUDGE(scene.target)
+    held = judge.outcome(runs).held
+    broken = [
+        {name for name, one in zip(judge.clauses, held, strict=True) if not one[:, vehicle].all()}
+        for vehicle in range(3)
+    ]
+    assert [set(), {"front_radar obeys its error law"}, set()] == broken
+    assert by_law.inputs.keys() == runs.inputs.keys()
+
+
 @pytest.mark.parametrize(
     ("figure", "message"),
     [

@@ -22,6 +22,7 @@ from safeloc.simulation.motion import Leg, Motion, Motions, VehicleConfig, move_
 from safeloc.simulation.physics import conditions, fibre_coupling, multipath
 from safeloc.simulation.physics.conditions import Conditions
 from safeloc.simulation.physics.map_errors import REFLECTORS, SECTIONS, MapError, Survey, figures_of_survey
+from safeloc.simulation.physics.speed_radar import SHARED_RADAR
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 KINDS = Kinds(
@@ -63,10 +64,10 @@ SPACING = {
     )
 }
 PHYSICS: Mapping[str, DrawnFigure] = {
-    **conditions.figures_of([WHEEL]), **multipath.FIGURES, **READER_FIGURES, **ANTENNA_FIGURES,
+    **conditions.figures_of([WHEEL], [SHARED_RADAR]), **multipath.FIGURES, **READER_FIGURES, **ANTENNA_FIGURES,
     **figures_of_survey(REFLECTORS), **figures_of_survey(SECTIONS), **SPACING, **fibre_coupling.FIGURES,
 }  # fmt: skip
-"""Figures of what is simulated from its physics: of rail, of both wheels of a vehicle, of maps, reflected signals, readers and fibre."""
+"""Figures of what is simulated from its physics: of rail, of both wheels and speed radars of a vehicle, of maps, reflected signals, readers and fibre."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from safeloc.models.localizer.simulation.journey import WHEEL, Vehicles
 from safeloc.models.localizer.simulation.off_the_map import misplaced, reflectors_err
 from safeloc.models.motion.simulate import Measured, measured_by_many
 from safeloc.models.motion.world import CHECK_LAWFUL, ODOMETER_LAWFUL
-from safeloc.models.odometry.many import faulty_wheel, simulate_shared
+from safeloc.models.odometry.many import faulty_unit, simulate_shared
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.simulation.draws import ByPurpose
 from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
@@ -68,10 +68,12 @@ class Fleet:
             chosen["motion.lawful_unit"] = np.where(measured.lawful.is_check, CHECK_LAWFUL.value, ODOMETER_LAWFUL.value)
         if "odometry" in config.sources and config.odometry.single_fault_safe:
             told = {f"front_{WHEEL}": (measured.odometer.distance_mm, measured.odometer.present)}
-            rear = f"odometry.rear_{WHEEL}_mm"
-            if rear in found:
-                told[f"rear_{WHEEL}"] = found[rear], found[f"{rear}.present"]
-            chosen["odometry.faulty_unit"] = faulty_wheel(config.odometry, self.vehicles.met, told)
+            if measured.check is not None:
+                told["front_radar"] = measured.check.distance_mm, measured.check.present
+            for name in (f"rear_{WHEEL}", "rear_radar"):
+                if f"odometry.{name}_mm" in found:
+                    told[name] = found[f"odometry.{name}_mm"], found[f"odometry.{name}_mm.present"]
+            chosen["odometry.faulty_unit"] = faulty_unit(config.odometry, self.vehicles.met, told)
         if self.vehicles.survey(REFLECTORS).errs.any() and "reflector.next_radar_bias_nm" in found:
             errs = reflectors_err(self.vehicles)
             chosen["reflector.radar_bias_nm"] = np.where(errs, found["reflector.next_radar_bias_nm"][0], 0)

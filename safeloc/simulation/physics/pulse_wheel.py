@@ -19,6 +19,7 @@ from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.physics.creep import GRAVITY_MM_S2, creep_of
 from safeloc.simulation.physics.gauss_markov import Floats
 from safeloc.simulation.physics.rail import at_speed
+from safeloc.simulation.physics.telling import gains
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 _DIAMETER_MM, _EDGES = 850, 200
@@ -67,11 +68,7 @@ class PulseWheels:
         wanted = self._figure("effort") * faster / GRAVITY_MM_S2
         creep = creep_of(wanted, adhesion * at_speed(speed), self._figure("creep"), self._figure("slide"), period_ms)
         rim_mm = np.cumsum(true_nm / NM_PER_MM * (1.0 + creep), axis=0)
-        counted = self._counted_mm(rim_mm)
-        numbers = np.arange(1, len(counted) + 1)[:, None]
-        last = np.maximum.accumulate(np.where(present, numbers, 0), axis=0)
-        before = np.vstack([np.zeros((1, counted.shape[1]), dtype=np.int64), counted])
-        return np.asarray(np.diff(np.take_along_axis(before, last, axis=0), axis=0, prepend=0), dtype=np.int64)
+        return gains(self._counted_mm(rim_mm), present)
 
     def _counted_mm(self, rim_mm: Floats) -> NDArray[np.int64]:
         """Return the distance counted up to the end of each cycle, whole mm."""

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.many_runs import DrawnFigure
-from safeloc.simulation.physics.gauss_markov import Floats, gauss_markov, kept
+from safeloc.simulation.physics.gauss_markov import Floats
+from safeloc.simulation.physics.line_process import LineProcess, line_process
 from safeloc.simulation.vehicle_seed import VehicleSeed
 
 ADHESION, SPREAD, CORRELATION = "adhesion", "adhesion_spread", "adhesion_correlation_mm"
@@ -27,7 +25,6 @@ FIGURES = {
     CORRELATION: DrawnFigure("mm", 0, 1e7, 200_000, "length over which adhesion is correlated along the line"),
 }
 """Figures of a rail: [S] 0.3 dry, 0.2 wet, below 0.05 with leaves or ice; how it differs along the line [M]."""
-_SECTION_MM = 25_000
 _MOST = 0.6
 _STREAM = "rail"
 
@@ -37,27 +34,12 @@ def at_speed(speed_mm_s: Floats) -> Floats:
     return (7.5 / (np.abs(speed_mm_s) * 0.0036 + 44) + 0.161) / (7.5 / 44 + 0.161)
 
 
-@dataclass(frozen=True, eq=False)
-class Rail:
-    """Rails of vehicles: adhesion at standstill, array [section, vehicle], from a place on; beyond either end it is that of the end."""
-
-    adhesion: Floats
-    begin_mm: int
-
-    def at(self, place_nm: NDArray[np.int64]) -> Floats:
-        """Return the adhesion at standstill at places, array [cycle, vehicle]."""
-        section = (place_nm // NM_PER_MM - self.begin_mm) // _SECTION_MM
-        return np.take_along_axis(self.adhesion, np.clip(section, 0, len(self.adhesion) - 1), axis=0)
-
-
 def rail_of(
     seeds: Sequence[VehicleSeed], medians: Floats, spreads: Floats, lengths_mm: Floats, begin_mm: int, end_mm: int
-) -> Rail:
-    """Draw the rail of each vehicle from a place on to another one; a longer rail begins with the shorter one."""
-    sections = max(1, -(-(end_mm - begin_mm) // _SECTION_MM))
-    noise = np.stack([seed.rng(_STREAM).standard_normal(sections) for seed in seeds], axis=1)
-    drawn = gauss_markov(noise, kept(_SECTION_MM, lengths_mm.tolist()))
+) -> LineProcess:
+    """Draw the rail of each vehicle, its adhesion at standstill, from a place on to another one."""
+    drawn = line_process(seeds, _STREAM, lengths_mm, begin_mm, end_mm).values
     found = np.empty_like(drawn)
     for vehicle, (median, spread) in enumerate(zip(medians.tolist(), spreads.tolist(), strict=True)):
         found[:, vehicle] = [min(_MOST, median * math.exp(spread * one)) for one in drawn[:, vehicle].tolist()]
-    return Rail(found, begin_mm)
+    return LineProcess(found, begin_mm)

@@ -14,9 +14,7 @@ SEEDS = [VehicleSeed(1, (number,)) for number in range(3)]
 def drawn(end_mm: int, seeds: list[VehicleSeed] = SEEDS, spread: float = 0.5) -> np.ndarray:
     """Adhesion of sections of rails of three medians."""
     medians = np.array([0.3, 0.1, 0.05])[: len(seeds)]
-    return rail_of(
-        seeds, medians, np.full(len(seeds), spread), np.full(len(seeds), 200_000.0), -50_000, end_mm
-    ).adhesion
+    return rail_of(seeds, medians, np.full(len(seeds), spread), np.full(len(seeds), 200_000.0), -50_000, end_mm).values
 
 
 def test_adhesion_falls_with_speed_as_measured() -> None:
@@ -43,7 +41,7 @@ def test_without_a_spread_every_section_is_the_median() -> None:
 def test_sections_are_correlated_along_the_line() -> None:
     """Neighbours of 25 m on a length of 200 m: the logarithms correlate by exp(-1/8), within six deviations of 40 000 values."""
     rail = rail_of(SEEDS[:1], np.array([0.01]), np.array([0.5]), np.array([200_000.0]), 0, 40_000 * 25_000)
-    logs = np.log(rail.adhesion[:, 0] / 0.01) / 0.5
+    logs = np.log(rail.values[:, 0] / 0.01) / 0.5
     assert np.exp(-1 / 8) == pytest.approx(float(np.mean(logs[1:] * logs[:-1])), abs=6 * (2 * 8 / 40_000) ** 0.5)
 
 
@@ -51,5 +49,5 @@ def test_a_place_has_the_adhesion_of_its_section() -> None:
     """Beyond either end it is that of the end; a wheel farther back meets later what the first one met."""
     rail = rail_of(SEEDS[:1], np.array([0.3]), np.array([0.5]), np.array([0.0]), -50_000, 100_000)
     places = np.array([[-99_000], [-50_000], [-25_001], [0], [99_999], [900_000]]) * 1_000_000
-    own = rail.adhesion[:, 0].tolist()
+    own = rail.values[:, 0].tolist()
     assert [own[0], own[0], own[0], own[2], own[5], own[5]] == rail.at(places)[:, 0].tolist()
