@@ -192,7 +192,7 @@ def _left(seen: _Counted) -> Iterator[Property]:
     yield for_all_inputs(
         "clear counters let the train go",
         (seen.is_clear & _was_here(seen) & ~seen.enters).implies(_gone(seen)),
-        statement="a train is gone in the cycle in which undisturbed counters report that no axle is in the area: it is neither awaited, nor "
+        statement="a train is gone in the cycle in which undisturbed counters report that no axle is in the area, unless it comes in then: it is neither awaited, nor "
         "verified against its record any more, also not against one that came after it had left",
         requirements=_STAY,
     )
@@ -358,7 +358,7 @@ def _hears_clear(seen: _Counted) -> Property:
     return for_all_inputs(
         "the order hears that clear counters let the train go",
         all_of([seen.is_clear, seen.was_outermost[0].eq(1), _was_here(seen), ~seen.anyone_enters]).implies(hears),
-        statement="the order of trains hears that a train is gone in the cycle in which the counters report an empty area, though nobody reported its "
+        statement="the order of trains hears that a train which was first at the low end is gone in the cycle in which the counters report an empty area and none comes in, though nobody reported its "
         "exit: what is assumed of a train that was not reported as gone is not assumed of this one",
         requirements=_STAY,
     )

@@ -190,7 +190,7 @@ def _told_why(whole: ReflectorDevice) -> Iterator[Property]:
     yield for_all_inputs(
         "the host is told why no branch is carried",
         any_of([carrying(whole), _refuted(whole), in_words]),
-        statement="without a branch the host's reason is that of the route machine: no start, a contradiction, an interval too wide, a silent odometer; "
+        statement="without a branch the restrictive state hears the reason of the route machine, which is the host's if the position is lost then: no start, a contradiction, an interval too wide, a silent odometer; "
         "unless course or route are not the permitted ones",
     )
 
@@ -199,8 +199,8 @@ def _told_refuted(whole: ReflectorDevice) -> Iterator[Property]:
     yield for_all_inputs(
         "the host is told that course or route are not the permitted ones",
         _refuted(whole).implies(_told(whole).eq(CONTRADICTION)),
-        statement="in each cycle in which the route of the movement authority is impossible, or the course at a switch is not the permitted one, the host's "
-        "reason is a contradiction",
+        statement="in each cycle in which the route of the movement authority is impossible, or the course at a switch is not the permitted one, the "
+        "restrictive state hears a contradiction, which is the host's reason if the position is lost then",
         requirements=("RFL-12", *REQUIREMENTS),
     )
 
@@ -211,7 +211,7 @@ def _told_by_reflectors(whole: ReflectorDevice) -> Iterator[Property]:
     yield for_all_inputs(
         "the host is told the reflector machine's reason on a branch",
         (carrying(whole) & ~_refuted(whole)).implies(says_why(_told(whole), error)),
-        statement="while a branch is carried, and course and route are the permitted ones, the host's reason is that of the reflector machine",
+        statement="while a branch is carried, and course and route are the permitted ones, the restrictive state hears the reflector machine's reason",
         requirements=("RFL-D3", *REQUIREMENTS),
     )
 

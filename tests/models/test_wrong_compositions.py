@@ -35,7 +35,7 @@ from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.marker_device.configuration import MarkerDeviceConfig
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, TOLERANCE
+from safeloc.models.vocabulary.reasons import NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from tests.models.inductive import inductive_in
 
 Wires = Mapping[Var, Expr]
@@ -305,8 +305,14 @@ def _always_undisturbed(of: Wired) -> Wires:
 
 def _refuted_as_lost(of: Wired) -> Wires:
     """A refuted permission is told as the lack of a reference."""
-    reason = _number(of.right("delocalized.source_reason"))
-    return {of.to("delocalized.source_reason"): ite(reason.eq(CONTRADICTION), NO_REFERENCE, reason)}
+    reason, refuted = _number(of.right("delocalized.source_reason")), _flag(of.of("turn_off.contradicts"))
+    return {of.to("delocalized.source_reason"): ite(refuted, NO_REFERENCE, reason)}
+
+
+def _any_reason_on_a_branch(of: Wired) -> Wires:
+    """While a route is carried, the reason is always that sensors failed."""
+    reason, carried = _number(of.right("delocalized.source_reason")), _flag(of.of("route.valid"))
+    return {of.to("delocalized.source_reason"): ite(carried, SENSOR_FAILURE, reason)}
 
 
 def _gone_only_if_reported(of: Wired) -> Wires:
@@ -442,7 +448,7 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("reflector_device", _told_is_carried, "the host gets every position that is reported"),
     ("reflector_device", _turns_only_where_watched, "the route hears the course at a switch"),
     ("reflector_device", _first_candidate_only, "the map's routes are candidates"),
-    ("reflector_device", _no_reason, "the host is told the reflector machine's reason on a branch"),
+    ("reflector_device", _any_reason_on_a_branch, "the host is told the reflector machine's reason on a branch"),
     ("reflector_device", _refuted_as_lost, "the host is told that course or route are not the permitted ones"),
     ("fibre_area", cut("verification.chain_failed"), "a chain that failed is latched"),
     ("fibre_area", _never_tested, _LACKS),
