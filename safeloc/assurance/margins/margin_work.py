@@ -17,7 +17,7 @@ from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.language.spec import Property, observe
 from safeloc.language.verdict import Proved, word
 from safeloc.proof.cache.store import Store
-from safeloc.proof.provers.limits import CLOCK, Limits, impatient_clock
+from safeloc.proof.provers.limits import CLOCK, Limits, clock_after
 from safeloc.proof.provers.portfolio import prove_one, proved_base
 from safeloc.proof.provers.workers import Lost, Task
 from safeloc.target import Target
@@ -121,7 +121,7 @@ class Margins:
         most = CLOCK * _QUESTIONS * len(self.claims) * self.limits.seconds
 
         def work() -> list[dict[str, Any]]:
-            with impatient_clock(_CLOCK):
+            with clock_after(_CLOCK):
                 return [asdict(limit(self.asking(), figure, way))]
 
         return Task(name, work, most)
@@ -155,7 +155,7 @@ def _task_of_front(margins: Margins, name: str, first: Moving, second: Moving) -
     most = CLOCK * _QUESTIONS * POINTS * len(margins.claims) * margins.limits.seconds
 
     def work() -> list[list[list[Any]]]:
-        with impatient_clock(_CLOCK):
+        with clock_after(_CLOCK):
             return [[[value, asdict(one)] for value, one in front(margins, first, second)]]
 
     return Task(name, work, most)

@@ -84,10 +84,10 @@ def clock_multiple() -> float:
 
 
 @contextmanager
-def impatient_clock(multiple: float) -> Iterator[None]:
-    """Let the clock end work inside the block after fewer times the limit than CLOCK.
+def clock_after(multiple: float) -> Iterator[None]:
+    """Let the clock end work inside the block after another multiple of the limit than CLOCK.
 
-    It suits a search of many questions, of which some take a solver long for little counted effort, and of which none that is
+    A smaller one suits a search of many questions, of which some take a solver long for little counted effort, and of which none that is
     left open is kept: on a busy computer more of them may be left open.
     """
     before, _multiple[0] = _multiple[0], multiple

@@ -13,7 +13,7 @@ from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.units import COUNT
 from safeloc.language.verdict import Unknown, require_proved
 from safeloc.proof.provers import spacer as module
-from safeloc.proof.provers.limits import Limits, effort
+from safeloc.proof.provers.limits import Limits, clock_after, effort
 from safeloc.proof.provers.recheck import Certificate, certify
 from safeloc.proof.provers.spacer import spacer
 from tests.proof.provers.small import FULL_TOGETHER, LEFT, LEVEL, RIGHT, TICK, counter, goal, pair
@@ -70,16 +70,16 @@ def test_an_unconditional_property_uses_no_assumption() -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.2, 0.4])
-def test_its_effort_is_limited_and_counted(seconds: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_its_effort_is_limited_and_counted(seconds: float) -> None:
     """Spacer looks at one state after the other of a long count: it ends at its limit, whatever the clock says."""
-    monkeypatch.setattr(module, "CLOCK", 1_000)
     (on,) = modes("ON")
     count = number("count", COUNT, 0, 500)
     slow = Machine(
         "slow", (on,), [TICK], {count: 0}, {}, [Transition("count", on, on, TICK & (count < 490), {count: count + 1})]
     )
     target, before = goal(slow, count < 480), effort()
-    verdict = spacer(target, Limits(seconds=seconds))
+    with clock_after(1_000):
+        verdict = spacer(target, Limits(seconds=seconds))
     assert isinstance(verdict, Unknown)
     assert verdict.reason == "spacer: max. resource limit exceeded"
     assert seconds <= effort() - before <= 1.5 * seconds
