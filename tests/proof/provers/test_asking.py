@@ -8,7 +8,7 @@ import z3
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import NumVar
 from safeloc.language.units import ONE
-from safeloc.proof.provers import limits
+from safeloc.proof.provers import asking, limits
 from safeloc.proof.provers.asking import UNITS_PER_SECOND, ask, new_solver, units, why_unknown
 from safeloc.proof.provers.limits import CLOCK, clock_after, deadline, spend
 from safeloc.proof.provers.recheck import certify, decide
