@@ -8,7 +8,6 @@ told     the counted distance in whole mm: what it gained since the last cycle i
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +18,7 @@ from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.physics.creep import GRAVITY_MM_S2, creep_of
 from safeloc.simulation.physics.gauss_markov import Floats
 from safeloc.simulation.physics.rail import at_speed
-from safeloc.simulation.physics.telling import gains
-from safeloc.simulation.vehicle_seed import VehicleSeed
+from safeloc.simulation.physics.telling import Devices, gains
 
 _DIAMETER_MM, _EDGES = 850, 200
 _ROUND_MM = math.pi * _DIAMETER_MM
@@ -40,19 +38,8 @@ def figures_of_wheel(name: str) -> dict[str, DrawnFigure]:
 
 
 @dataclass(frozen=True, eq=False)
-class PulseWheels:
-    """A wheel of each of several vehicles: the figures of `figures_of_wheel` as arrays [vehicle], and the seeds of the vehicles.
-
-    stream  the wheel's name in the seeds
-    """
-
-    name: str
-    stream: str
-    figures: Mapping[str, Floats]
-    seeds: Sequence[VehicleSeed]
-
-    def _figure(self, which: str) -> Floats:
-        return self.figures[f"{self.name}_{which}"]
+class PulseWheels(Devices):
+    """A wheel of each of several vehicles, with the figures of `figures_of_wheel`."""
 
     def told_mm(
         self, true_nm: NDArray[np.int64], adhesion: Floats, present: NDArray[np.bool_], period_ms: int

@@ -9,7 +9,6 @@ The ground (ballast, slab, snow, water) is that of the line, so it errs alike fo
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,8 +17,7 @@ from numpy.typing import NDArray
 from safeloc.language.units import NM_PER_MM
 from safeloc.simulation.many_runs import DrawnFigure
 from safeloc.simulation.physics.gauss_markov import Floats
-from safeloc.simulation.physics.telling import gains
-from safeloc.simulation.vehicle_seed import VehicleSeed
+from safeloc.simulation.physics.telling import Devices, gains
 
 SHARED_RADAR = "speed_radar"
 """The name of the figures of a vehicle's speed radars where several machines read the front one."""
@@ -41,24 +39,13 @@ def figures_of_radar(name: str) -> dict[str, DrawnFigure]:
 
 
 @dataclass(frozen=True, eq=False)
-class SpeedRadars:
-    """A radar of each of several vehicles: the figures of `figures_of_radar` as arrays [vehicle], and the seeds of the vehicles.
-
-    stream  the radar's name in the seeds
-    """
-
-    name: str
-    stream: str
-    figures: Mapping[str, Floats]
-    seeds: Sequence[VehicleSeed]
+class SpeedRadars(Devices):
+    """A radar of each of several vehicles, with the figures of `figures_of_radar`."""
 
     @property
     def by_physics(self) -> NDArray[np.bool_]:
         """Return which vehicles have a radar that is simulated from its physics."""
         return np.asarray(self._figure("noise_mm_s") > 0)
-
-    def _figure(self, which: str) -> Floats:
-        return self.figures[f"{self.name}_{which}"]
 
     def told_mm(
         self, true_nm: NDArray[np.int64], ground: Floats, present: NDArray[np.bool_], period_ms: int

@@ -1,9 +1,32 @@
-"""A device that counts its distance by itself, and tells what it gained since the last cycle in which it told anything."""
+"""Devices that count their distance by themselves, and tell what they gained since the last cycle in which they told anything."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
+
+from safeloc.simulation.physics.gauss_markov import Floats
+from safeloc.simulation.vehicle_seed import VehicleSeed
+
+
+@dataclass(frozen=True, eq=False)
+class Devices:
+    """A device of each of several vehicles, with its figures as arrays [vehicle], and the seeds of the vehicles.
+
+    name    stands before the names of its figures
+    stream  the device's name in the seeds
+    """
+
+    name: str
+    stream: str
+    figures: Mapping[str, Floats]
+    seeds: Sequence[VehicleSeed]
+
+    def _figure(self, which: str) -> Floats:
+        return self.figures[f"{self.name}_{which}"]
 
 
 def gains(counted: NDArray[np.int64], present: NDArray[np.bool_]) -> NDArray[np.int64]:
