@@ -68,7 +68,7 @@ class _Commands(TyperGroup):
 def _say_what_was_not_kept() -> None:
     """Say that results were not kept, if that is so; the engine is looked up, not loaded, since most commands do without it."""
     engine = sys.modules.get("safeloc.proof.cache.engine")
-    if engine is not None and engine.kept_nothing_more():
+    if engine is not None and engine.was_disturbed():
         err.print(
             "safeloc: files of safeloc were written during this run; what it found after that is not kept, and the next run finds it again.",
             markup=False,

@@ -113,9 +113,10 @@ def refusal(error: ValidationError, where: Callable[[Place], str], within: tuple
 def _in_words(error: Mapping[str, Any]) -> str:
     """Return what is wrong with a value; an unknown kind of a table is told with the kinds that there are."""
     if error["type"] == "union_tag_invalid":
-        named, known = error["ctx"]["tag"], error["ctx"]["expected_tags"].replace("'", "").split(", ")
-        said = f"there is no {error['ctx']['discriminator'].strip(chr(39))} {named!r}; there are {', '.join(known)}"
-        return f"{said}.{hint(named, known)}"
+        what, named, expected = (error["ctx"][one] for one in ("discriminator", "tag", "expected_tags"))
+        known = expected.replace("'", "").split(", ")
+        what = what.strip("'")
+        return f"there is no {what} {named!r}; there are {', '.join(known)}.{hint(named, known)}"
     return str(error["msg"]).removeprefix("Value error, ")
 
 

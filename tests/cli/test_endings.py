@@ -50,7 +50,7 @@ def test_results_that_are_not_kept_are_told(
 ) -> None:
     """A file of the package was written after the process began."""
     monkeypatch.setattr(engine, "_BEGAN", began)
-    monkeypatch.setattr(engine, "_refused", [])
+    monkeypatch.setattr(engine, "_disturbed", [False])
     called = call("prove", DOOR, *QUICK, "--cache", str(tmp_path))
     assert called.code == 0
     assert ("what it found after that is not kept" in called.err) == said

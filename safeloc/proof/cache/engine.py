@@ -65,16 +65,16 @@ def undisturbed() -> bool:
     except FileNotFoundError:  # a file was deleted during the check
         still = False
     if not still:
-        _refused.append(True)
+        _disturbed[0] = True
     return still
 
 
-_refused = list[bool]()
+_disturbed = [False]
 
 
-def kept_nothing_more() -> bool:
-    """Return whether a result of this process was not kept, since files of the package had been written meanwhile."""
-    return bool(_refused)
+def was_disturbed() -> bool:
+    """Return whether `undisturbed` was ever False: a result of this process did not enter the cache."""
+    return _disturbed[0]
 
 
 def _began() -> float:
