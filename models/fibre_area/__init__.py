@@ -22,13 +22,15 @@ Inputs of a cycle, by name; all others are wired:
     entry.enters_low, enters_high  number of the train that comes in there, in the cycle of its first axle; 0: none
     entry.leaves_low, leaves_high  the running part of a train has passed out there
     entry.train_k_all_left  (k from 2)   all of that train has left, as its own composition counts
+    entry.train_k_more_axles_than_its_own (k from 2)  axles came in beside that train that are not its own, as its own composition tells
     entry.reference_comes          sender of the record that comes for this train in this cycle: NOBODY, AXLE_COUNTER or NEIGHBOUR
+    entry.record_sound, entry.record_axles  that record: undisturbed, and its axles
     train_order.patterns, pattern_n_low_mm, pattern_n_high_mm  number and ends of the fibre's patterns in the area, from the low end
     front.*, rear.*                as models.fibre: amplitude_cdb, run_mm, flight_position_mm, reflecting_point_mm,
                                    ahead_*, behind_*, reference_accepted, reference_count, reference_position_mm,
                                    word_found, word_count, word_position_mm
     emitter.heard_pattern, emitter.heard_place_mm, emitter.test_requested
-    verification.record_*          that record: sound, axles, length, speed, place of the front, age
+    verification.record_*          that record's length, speed, place of the front and age
     verification.fibre_axles, fibre_length_mm, fibre_speed_mm_s       the detector's readings of this train's pattern
     verification.control_*         data from train control on the train
     report.reading_age_ms          age of this cycle's readings
@@ -311,6 +313,8 @@ def _verification_wires(
         own.chain_failed: emitter.machine.flag("failed"),
         own.due: entry.own.due,
         own.reference_from: entry.own.source,
+        own.sound: entry.own.record_sound,
+        own.record_axles: entry.own.record_axles,
         own.leaves: entry.own.forgets,
         own.associated: any_of(one.eq(THIS) for one in order.own.belongs),
         own.next_truth: front.own.ghosts.truth,

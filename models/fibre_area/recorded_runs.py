@@ -42,12 +42,15 @@ TURNED_BACK = Journey(
 """It turns at 1.5 km and leaves where it came in."""
 _UNTRUSTED_ON_THE_WAY_BACK = replace(TURNED_BACK, counted_every=5, emitter_dead=(213, TURNED_BACK.cycles))
 """The emitter fails on the way back, when the low end has led for a count's run: from a counted cycle on nothing is told."""
+UNANNOUNCED = Journey(cycles=60, area_mm=LONG, cuts_mm=((400_000, 800_000),), unannounced=(20, 20_000))
+"""A train that nobody announces follows 20 m behind. Its first axles are taken for those of the train before it, until that one's record comes."""
 NAMED: Mapping[str, Journey] = {
     "late-record": LATE_RECORD,
     "service": SERVICE,
     "split": SPLIT,
     "uncounted": UNCOUNTED,
     "turned-back-untrusted": _UNTRUSTED_ON_THE_WAY_BACK,
+    "unannounced": UNANNOUNCED,
     "missed-section": Journey(cycles=90, front_missed=(1,)),
 }
 """The recordings that ship, by the end of their name."""

@@ -18,6 +18,7 @@ from safeloc.runtime.streams.steps import Cell
 Steps = list[dict[str, Cell]]
 REMARK = "truth_mm"
 LOST_AXLES = 4
+_AXLE_SPACING_MM = 5_000
 _BLUR_MM = 5_000
 "How far the detector's pattern reaches beyond the train."
 _PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_mm")
@@ -36,6 +37,7 @@ class Journey:
     uncounted    (from, to) cycles in which the detector measures the train's length, but counts no axles
     split        cycle in which the last four axles are left behind and stand: the pattern goes on without them
     told_after_mm  run of the train after which the detector's count follows; None: the longest permitted
+    unannounced  axles of a train that follows at the same speed and that nobody announces, and the gap to it, mm
     emitter_dead (from, to) cycles in which no test pattern comes
     front_missed, rear_missed  numbers of the sections that the machine of that end does not notice
     front_stuck, rear_stuck  stretch in which the amplitude at that end stays raised, mm
@@ -56,6 +58,7 @@ class Journey:
     uncounted: tuple[int, int] | None = None
     split: int | None = None
     counted_after_mm: int | None = None
+    unannounced: tuple[int, int] | None = None
     emitter_dead: tuple[int, int] | None = None
     front_missed: tuple[int, ...] = ()
     rear_missed: tuple[int, ...] = ()
@@ -87,7 +90,7 @@ def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
     low, front = journey.area_mm[0], _start_mm(config, journey) * UM_PER_MM
     rear = front - journey.length_mm * UM_PER_MM
     first: dict[str, Value] = {
-        "axle_section.true_axles": 0, "train_order.train_1_inside": False, "train_order.train_1_place_um": (front + rear) // 2,
+        "axle_section.true_axles": 0, "entry.true_axles": journey.axles, "train_order.train_1_inside": False, "train_order.train_1_place_um": (front + rear) // 2,
         "area.low_end_mm": low, "area.high_end_mm": journey.area_mm[1], "area.loose_there": False,
         "area.loose_rear_um": low, "area.loose_front_um": low,
         "area.train_1_true_rear_um": rear, "area.train_1_true_front_um": front,
@@ -130,6 +133,8 @@ class _World:
         self._lost_um, self._run_since_mm = 0, 0
         start = _start_mm(config, journey)
         self._axles_mm = [start - journey.length_mm] * journey.axles
+        self._others_mm = _others_mm(journey, start - journey.length_mm)
+        self._others_noticed = False
         self._speeds = _speeds(config, journey)
 
     def step(self, cycle: int, front: dict[str, Cell], rear: dict[str, Cell]) -> dict[str, Cell]:
@@ -164,21 +169,37 @@ class _World:
         entered = not self._left and cycle > self._journey.enters
         out = (entered and high_mm < begins, entered and low_mm > ends)
         self._left = self._left or any(out)
-        passes, inside_now = self._axles_passed(cycle, low_mm, high_mm)
+        passes = self._axles_passed(cycle, low_mm, high_mm)
         swept = {f"axle_section.{name}": cell for name, cell in self._sweep[cycle].items()} if cycle < 0 else {}
         return {
             **heads(passes, passes), **swept,
             "entry.enters_low": int(cycle == self._journey.enters), "entry.enters_high": 0,
             "entry.leaves_low": out[0], "entry.leaves_high": out[1],
             "entry.reference_comes": "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY",
-            "entry.next_axles_inside": inside_now,
+            **self._true_axles(),
         }  # fmt: skip
 
-    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> tuple[dict[str, int], int]:
-        """Return the axles that came into the area and left it since the previous cycle, and those that are in it."""
-        before, self._axles_mm = self._axles_mm, self._axle_places(cycle, low_mm, high_mm)
-        ends = self._journey.area_mm
-        return passed(before, self._axles_mm, ends), inside(self._axles_mm, ends)
+    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, int]:
+        """Return the axles that came into the area and left it since the previous cycle."""
+        before, others = self._axles_mm, self._others_mm
+        self._axles_mm, self._others_mm = self._axle_places(cycle, low_mm, high_mm), _others_mm(self._journey, low_mm)
+        self._others_noticed |= cycle >= (self._journey.record or cycle) and self._others_inside > 0
+        return passed([*before, *others], [*self._axles_mm, *self._others_mm], self._journey.area_mm)
+
+    @property
+    def _others_inside(self) -> int:
+        """Axles in the area of the train that nobody announced."""
+        return inside(self._others_mm, self._journey.area_mm)
+
+    def _true_axles(self) -> dict[str, Cell]:
+        """Return the axles of the train and of the one that nobody announced."""
+        begins = self._journey.area_mm[0]
+        return {
+            "entry.next_axles_inside": inside(self._axles_mm, self._journey.area_mm),
+            "entry.next_true_axles": self._journey.axles,
+            "entry.next_axles_come_in": sum(place > begins for place in self._axles_mm),
+            "entry.next_axles_of_others_behind": self._others_inside, "entry.next_axles_of_others_ahead": 0,
+        }  # fmt: skip
 
     def _axle_places(self, cycle: int, low_mm: int, high_mm: int) -> list[int]:
         """Return the place of every axle, evenly along the train; lost axles stay."""
@@ -191,9 +212,12 @@ class _World:
         begins, ends = self._journey.area_mm
         seen = not self._silent(cycle) and low_mm <= ends and high_mm >= begins
         there = cycle >= self._journey.enters and inside(self._axles_mm, (begins, ends)) > 0
+        first_mm = (low_mm, high_mm)
+        if others := self._others_inside > 0:
+            first_mm = (self._others_mm[-1], self._others_mm[0])
         return {
-            "train_order.patterns": int(seen), "train_order.pattern_1_low_mm": low_mm - _BLUR_MM if seen else 0,
-            "train_order.pattern_1_high_mm": high_mm + _BLUR_MM if seen else 0,
+            "train_order.patterns": seen + others, "train_order.pattern_1_low_mm": first_mm[0] - _BLUR_MM if seen else 0,
+            "train_order.pattern_1_high_mm": first_mm[1] + _BLUR_MM if seen else 0,
             "train_order.next_train_1_inside": there, "train_order.next_train_1_place_um": (low_mm + high_mm) // 2 * UM_PER_MM,
             "train_order.pattern_1_owner": int(seen),
         }  # fmt: skip
@@ -202,7 +226,7 @@ class _World:
         """Return the counter's record, valid in the cycle in which it comes."""
         journey, speed = self._journey, self._speed(cycle)
         return {
-            "verification.record_sound": True, "verification.record_axles": journey.axles,
+            "entry.record_sound": True, "entry.record_axles": journey.axles,
             "verification.record_length_low_mm": journey.length_mm - 4_000,
             "verification.record_length_high_mm": journey.length_mm + 4_000,
             "verification.record_speed_low_mm_s": speed - 300, "verification.record_speed_high_mm_s": speed + 300,
@@ -247,14 +271,23 @@ class _World:
         """Return the train itself: a part left behind stands where it was, and is the train's rear."""
         complete = not self._parted(cycle)
         self._lost_um = low_mm * UM_PER_MM if complete else self._lost_um
-        low, high = self._journey.area_mm
+        low, high = (place * UM_PER_MM for place in self._journey.area_mm)
+        loose = self._others_noticed and self._others_inside > 0
+        if loose:
+            low, high = self._others_mm[-1] * UM_PER_MM, self._others_mm[0] * UM_PER_MM
         return {
             "report.next_rear_is_the_trains": complete, "report.next_front_is_the_trains": True,
             "report.next_body_rear_um": low_mm * UM_PER_MM, "report.next_body_front_um": high_mm * UM_PER_MM,
             "report.true_cycle_distance_um": self._ran_mm(cycle) * UM_PER_MM,
             "report.next_rear_um": self._lost_um, "report.next_front_um": high_mm * UM_PER_MM,
-            "area.next_loose_there": False, "area.next_loose_rear_um": low, "area.next_loose_front_um": high,
+            "area.next_loose_there": loose, "area.next_loose_rear_um": low, "area.next_loose_front_um": high,
         }  # fmt: skip
+
+
+def _others_mm(journey: Journey, rear_mm: int) -> list[int]:
+    """Return the place of every axle of the train that nobody announced, from its foremost one, behind the rear of the train before it."""
+    axles, gap_mm = journey.unannounced or (0, 0)
+    return [rear_mm - gap_mm - number * _AXLE_SPACING_MM for number in range(axles)]
 
 
 def _during(cycle: int, cycles: tuple[int, int] | None) -> bool:

@@ -27,6 +27,7 @@ from safeloc.models.verification.world import place_law
 from safeloc.properties import sections as sections_properties
 from safeloc.properties.fibre_area.counted import counted
 from safeloc.properties.fibre_area.told import told
+from safeloc.properties.fibre_area.unannounced import unannounced
 
 LAW = (
     "the fibre's bounds and code law at both ends; count and length reported for a pattern are that pattern's, "
@@ -47,7 +48,7 @@ under_assumption = partial(always, requirements=CLAIM, assumption=LAW)
 def properties(model: FibreArea) -> list[Property]:
     """Return the properties: containment through all machines, withdrawal in the same step, and no section cleared without verification."""
     makers = (
-        _truth, _guaranteed, _bounded, _withdrawal, _latched_error, _latch, _narrowed, _grows, _reached, told, counted, _of_sections,
+        _truth, _guaranteed, _bounded, _withdrawal, _latched_error, _latch, _narrowed, _grows, _reached, told, counted, unannounced, _of_sections,
     )  # fmt: skip
     return [prop for maker in makers for prop in maker(model)]
 

@@ -6,15 +6,16 @@ The axle section, the order of trains and the entry of this train act in one ste
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property, partial
+from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, as_num, between, exact_to, ite
+from safeloc.language.expr import Bool, all_of, any_of, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool, earlier_num
-from safeloc.language.units import COUNT, UM
+from safeloc.language.units import UM
 from safeloc.models.area.slot import ACCEPTED, ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW
 from safeloc.models.fibre_area import FibreArea
 from safeloc.models.verification.variables import NOBODY
 from safeloc.properties import axle_section, train_order
+from safeloc.properties.fibre_area.counters import Counted
 
 LAW = (
     "undisturbed counters count every axle and report every train that comes in; no train passes another; if there are as many patterns "
@@ -28,7 +29,7 @@ for_all_inputs = partial(always, unconditional=True)
 
 def counted(model: FibreArea) -> Iterator[Property]:
     """Yield the claims."""
-    seen = _Counted(model)
+    seen = Counted(model)
     yield from _of_machines(model)
     yield from _its_pattern(seen)
     yield from _left(seen)
@@ -41,80 +42,6 @@ def counted(model: FibreArea) -> Iterator[Property]:
     yield from _ghosts(seen)
     yield _axle_between(seen)
     yield _hears_clear(seen)
-
-
-class _Counted:
-    """The machines that hear the counters, after a step."""
-
-    def __init__(self, model: FibreArea) -> None:
-        self.model, of = model, model.composition.of
-        self.heads, self.entry = of(model.axle_section.machine), of(model.entry.machine)
-        self.order, self.area = of(model.order.machine), of(model.area.machine)
-
-    @cached_property
-    def counting(self) -> Bool:
-        """The section between the counters is clear, or occupied by axles that were counted in."""
-        machine = self.model.axle_section.machine
-        return self.heads.num(machine.mode).one_of(*machine.modes[1:3])
-
-    @cached_property
-    def is_clear(self) -> Bool:
-        """The section between the counters is clear."""
-        machine = self.model.axle_section.machine
-        return self.heads.num(machine.mode).eq(machine.modes[1])
-
-    @cached_property
-    def is_ordered(self) -> Bool:
-        """The order of trains is known."""
-        machine = self.model.order.machine
-        return self.order.num(machine.mode).eq(machine.modes[1])
-
-    @cached_property
-    def was_ordered(self) -> Bool:
-        """The order of trains was known before the step."""
-        return earlier_bool(self.is_ordered)
-
-    @cached_property
-    def was_outermost(self) -> tuple[Num, Num]:
-        """Numbers of the trains that were nearest to either end before the step; 0: none is known."""
-        ranks = [self.order.num(one) for one in self.model.order.own.order]
-        last = as_num(0, COUNT)
-        for rank in ranks:
-            last = ite(rank > 0, rank, last)
-        none = as_num(0, COUNT)
-        low, high = (ite(self.was_ordered, earlier_num(rank), none) for rank in (ranks[0], last))
-        return low, high
-
-    @cached_property
-    def of_nobody(self) -> Bool:
-        """Axles are counted in, no train was known in the area, and none comes in."""
-        return self.counting & ~self.is_clear & ~self.anyone_enters & all_of(last < 1 for last in self.was_outermost)
-
-    @cached_property
-    def anyone_enters(self) -> Bool:
-        """A train comes in, at either end."""
-        low, high = (self.entry.num(one) for one in self.model.entry.own.enters)
-        return low + high > 0
-
-    @cached_property
-    def enters(self) -> Bool:
-        """This train comes in, at either end."""
-        return any_of(self.entry.num(one).eq(1) for one in self.model.entry.own.enters)
-
-    @cached_property
-    def surplus(self) -> Num:
-        """Axles of this train that went out in the step, less those that came in, by the heads at both ends."""
-        own, total = self.model.axle_section.own, as_num(0, COUNT)
-        ends = zip(self.was_outermost, self.model.entry.own.enters, own.into, own.out, strict=True)
-        for last, comes, into, out in ends:
-            here = (self.entry.num(comes) < 1) & last.eq(1) | self.entry.num(comes).eq(1)
-            total = total + ite(here, self.heads.num(out) - self.heads.num(into), 0)
-        return total
-
-    @cached_property
-    def all_left(self) -> Bool:
-        """All of this train has left."""
-        return self.entry.bool(self.model.entry.own.left)
 
 
 # ------------------------------------------------------------------ claims of the machines themselves
@@ -134,7 +61,7 @@ def _of_machines(model: FibreArea) -> Iterator[Property]:
 # ------------------------------------------------------------------ patterns
 
 
-def _its_pattern(seen: _Counted) -> Iterator[Property]:
+def _its_pattern(seen: Counted) -> Iterator[Property]:
     model, own = seen.model, seen.model.order.own
     verification, report = model.verification.machine, model.composition.of(model.report.machine)
     trusted = model.composition.of(verification).bool(verification.flag("trusted"))
@@ -155,7 +82,7 @@ def _its_pattern(seen: _Counted) -> Iterator[Property]:
     )
 
 
-def _held(seen: _Counted) -> Bool:
+def _held(seen: Counted) -> Bool:
     """This train is in a pattern that is taken for its own."""
     own, of = seen.model.order.own, seen.order
     place = of.num(own.trains[0].place)
@@ -168,7 +95,7 @@ def _held(seen: _Counted) -> Bool:
 # ------------------------------------------------------------------ axles of this train
 
 
-def _left(seen: _Counted) -> Iterator[Property]:
+def _left(seen: Counted) -> Iterator[Property]:
     model, own = seen.model, seen.model.entry.own
     present = seen.area.bool(model.area.own.slots[0].present)
     inside, sure = seen.entry.num(own.inside), seen.entry.bool(own.sure)
@@ -206,21 +133,22 @@ def _left(seen: _Counted) -> Iterator[Property]:
                 ~seen.enters,
                 _passes_out(seen),
                 seen.surplus.eq(earlier_num(inside)),
+                ~seen.more,
             ]
         ).implies(seen.all_left),
         statement="a train that passes out where it is the outermost, and of which as many axles have been counted out as in, has left in "
-        "that cycle",
+        "that cycle, unless axles came in beside it that are not its own",
         requirements=_STAY,
     )
 
 
-def _was_here(seen: _Counted) -> Bool:
+def _was_here(seen: Counted) -> Bool:
     """The train was counted in, or its record came."""
     machine = seen.model.entry.machine
     return ~earlier_bool(seen.entry.num(machine.mode).eq(machine.modes[0]))
 
 
-def _gone(seen: _Counted) -> Bool:
+def _gone(seen: Counted) -> Bool:
     """The entry waits for no train, and no reference is stored."""
     entry, verification = seen.model.entry.machine, seen.model.verification.machine
     away = seen.entry.num(entry.mode).eq(entry.modes[0])
@@ -228,7 +156,7 @@ def _gone(seen: _Counted) -> Bool:
     return away & none
 
 
-def _first(seen: _Counted) -> Iterator[Property]:
+def _first(seen: Counted) -> Iterator[Property]:
     """Claim what is known of a train that comes in, before its own record."""
     entry, verification = seen.model.entry, seen.model.verification.machine
     verified = seen.model.composition.of(verification)
@@ -260,7 +188,7 @@ def _first(seen: _Counted) -> Iterator[Property]:
     )
 
 
-def _passes_out(seen: _Counted) -> Bool:
+def _passes_out(seen: Counted) -> Bool:
     """The running part of this train passes out, at an end at which it is the outermost."""
     ends = zip(seen.model.entry.own.leaves, seen.was_outermost, strict=True)
     return any_of(seen.entry.bool(out) & last.eq(1) for out, last in ends)
@@ -269,7 +197,7 @@ def _passes_out(seen: _Counted) -> Bool:
 # ------------------------------------------------------------------ events
 
 
-def _events(seen: _Counted) -> Iterator[Property]:
+def _events(seen: Counted) -> Iterator[Property]:
     """Claim at which end, and of which train, the area hears that one comes or goes: else everything is proved of a wrong one."""
     own = seen.model.entry.own
     comes = [seen.entry.num(one) for one in own.enters]
@@ -295,7 +223,7 @@ def _events(seen: _Counted) -> Iterator[Property]:
     )
 
 
-def _order_hears(seen: _Counted) -> Property:
+def _order_hears(seen: Counted) -> Property:
     entry, order, of = seen.model.entry.own, seen.model.order.own, seen.order
     heard = [
         of.num(mine).eq(seen.entry.num(reported))
@@ -317,9 +245,9 @@ def _order_hears(seen: _Counted) -> Property:
     )
 
 
-def _in_order(seen: _Counted) -> Iterator[Property]:
+def _in_order(seen: Counted) -> Iterator[Property]:
     """Claim what the order of trains hears of this one."""
-    known = seen.was_ordered & seen.counting
+    known = seen.was_ordered & seen.believed
     yield for_all_inputs(
         "a train that left a part behind stays in the order",
         all_of(
@@ -353,7 +281,7 @@ def _in_order(seen: _Counted) -> Iterator[Property]:
     )
 
 
-def _hears_clear(seen: _Counted) -> Property:
+def _hears_clear(seen: Counted) -> Property:
     hears = any_of(seen.order.bool(one) for one in (seen.model.order.own.leaves_low, seen.model.order.own.leaves_high))
     return for_all_inputs(
         "the order hears that clear counters let the train go",
@@ -364,18 +292,18 @@ def _hears_clear(seen: _Counted) -> Property:
     )
 
 
-def _listed(seen: _Counted) -> Bool:
+def _listed(seen: Counted) -> Bool:
     """This train is in the order of trains."""
     return any_of(seen.order.num(one).eq(1) for one in seen.model.order.own.order)
 
 
-def _one_enters(seen: _Counted) -> Bool:
+def _one_enters(seen: Counted) -> Bool:
     """A train comes in at one end at most."""
     low, high = (seen.entry.num(one) for one in seen.model.entry.own.enters)
     return (low < 1) | (high < 1)
 
 
-def _any_event_but_this(seen: _Counted) -> Bool:
+def _any_event_but_this(seen: Counted) -> Bool:
     """A train comes in, or another one than this goes out."""
     own = seen.model.entry.own
     return seen.anyone_enters | any_of(
@@ -386,14 +314,14 @@ def _any_event_but_this(seen: _Counted) -> Bool:
 # ------------------------------------------------------------------ the area
 
 
-def _area(seen: _Counted) -> Iterator[Property]:
+def _area(seen: Counted) -> Iterator[Property]:
     area, machine = seen.model.area.own, seen.model.area.machine
     swept = seen.area.bool(machine.flag("swept"))
     busy = any_of(seen.area.bool(one.enters | one.last_verdict.eq(ACCEPTED)) for one in area.slots)
     yield for_all_inputs(
         "disturbed counters leave the area unswept",
-        (~seen.counting | seen.of_nobody).implies(~swept & ~seen.is_ordered),
-        statement="in a cycle in which the counters do not count, or count in axles of which no train is known, vehicles may have come in "
+        (~seen.counting | seen.of_nobody | seen.more).implies(~swept & ~seen.is_ordered),
+        statement="in a cycle in which the counters do not count, or count in axles of which no train is known, or more beside this train than are its own, vehicles may have come in "
         "uncounted: the area is not swept, and no order of trains is known",
         requirements=(*_COUNTER, *_CLEAR),
     )
@@ -405,7 +333,7 @@ def _area(seen: _Counted) -> Iterator[Property]:
     )
 
 
-def _there(seen: _Counted) -> Property:
+def _there(seen: Counted) -> Property:
     slot = seen.model.area.own.slots[0]
     there = seen.area.bool(slot.there)
     axles = seen.heads.num(seen.model.axle_section.own.axles)
@@ -418,7 +346,7 @@ def _there(seen: _Counted) -> Property:
     )
 
 
-def _ghosts(seen: _Counted) -> Iterator[Property]:
+def _ghosts(seen: Counted) -> Iterator[Property]:
     """Claim what the ghosts of later machines stand for: a wire that hears more of them would assume what is to be proved."""
     slot, entry = seen.model.area.own.slots[0], seen.model.entry.own
     yield for_all_inputs(
@@ -440,7 +368,7 @@ def _ghosts(seen: _Counted) -> Iterator[Property]:
     )
 
 
-def _axle_between(seen: _Counted) -> Property:
+def _axle_between(seen: Counted) -> Property:
     """Claim the same of the entry's ghost."""
     return for_all_inputs(
         "the entry's axle between is an axle between the counters",

@@ -82,7 +82,7 @@ def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> d
     if not stay.ghosts:
         return first
     ghosts: dict[str, Value] = {
-        "axle_section.true_axles": 0, "train_order.train_1_inside": False,
+        "axle_section.true_axles": 0, "entry.true_axles": stay.train.axles, "train_order.train_1_inside": False,
         "train_order.train_1_place_um": (low + high) // 2 * UM_PER_MM,
         "area.loose_there": False, "area.loose_rear_um": stay.ends.low_mm * UM_PER_MM,
         "area.loose_front_um": stay.ends.low_mm * UM_PER_MM, "area.train_1_true_rear_um": low * UM_PER_MM,
@@ -182,7 +182,7 @@ class _Host:
         before, self._front_mm = self._front_mm, high
         place, there = (low + high) // 2 * UM_PER_MM, self._axles.inside > 0
         truth |= {
-            "entry.next_axles_inside": self._axles.inside, "train_order.next_train_1_inside": there,
+            **self._axles.true_counts, "train_order.next_train_1_inside": there,
             "train_order.next_train_1_place_um": place, "train_order.pattern_1_owner": int(there),
         }  # fmt: skip
         return truth | self._axles.truth | _world(self._stay, moment) | _body(self._stay, high, high - before)
@@ -221,6 +221,15 @@ class _Axles:
         return {name: cell for name, cell in cells.items() if name not in self.truth}
 
     @property
+    def true_counts(self) -> dict[str, Cell]:
+        """The train's axles, those in the area, and those that came in at its low end."""
+        came = sum(place > self._ends[0] for place in self._places)
+        return {
+            "entry.next_axles_inside": self.inside, "entry.next_true_axles": len(self._places), "entry.next_axles_come_in": came,
+            "entry.next_axles_of_others_behind": 0, "entry.next_axles_of_others_ahead": 0,
+        }  # fmt: skip
+
+    @property
     def inside(self) -> int:
         """Axles in the area."""
         return inside(self._places, self._ends)
@@ -255,7 +264,7 @@ class _Entry:
 def _recorded(counter_mm: int, record: Record) -> dict[str, Cell]:
     """Return the record, valid in the cycle in which it comes."""
     return {
-        "verification.record_sound": True, "verification.record_axles": record.axles,
+        "entry.record_sound": True, "entry.record_axles": record.axles,
         "verification.record_length_low_mm": record.length_mm[0],
         "verification.record_length_high_mm": record.length_mm[1] + 2 * _OVERHANG_MM,
         "verification.record_speed_low_mm_s": record.speed_mm_s[0],

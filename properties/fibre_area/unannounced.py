@@ -1,0 +1,163 @@
+"""Claims on vehicles that nobody announced, beside a train that is known (FVA-9).
+
+The counters cannot tell whose axles pass. A vehicle that comes in behind a train, or at the other end, is taken for that train until more axles came in than
+can be the train's own. Until its reference came nobody knows how many these are, and then the train is known to be anywhere behind its front.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from safeloc.language.expr import Bool, all_of, exact_to, ite
+from safeloc.language.spec import Property, always, earlier_bool, reachable
+from safeloc.language.units import UM
+from safeloc.models.fibre_area import FibreArea
+from safeloc.models.sections import Section
+from safeloc.properties.fibre_area.counters import Counted
+
+LAW = (
+    "undisturbed counters count every axle; no vehicle passes another; a sound reference has no more axles than its train; a train that is announced is so in "
+    "the cycle of its first axle"
+)
+_CLEAR = ("FVA-9", "FVA-18")
+_COUNTER = ("FVA-4", "FVA-13")
+for_all_inputs = partial(always, requirements=_CLEAR, unconditional=True)
+under_assumption = partial(always, requirements=_CLEAR, assumption=LAW)
+
+
+def unannounced(model: FibreArea) -> Iterator[Property]:
+    """Yield the claims."""
+    seen = Counted(model)
+    yield from _listed(seen)
+    yield from _its_axles(seen)
+    yield from _noticed(seen)
+    yield from _reaches_back(seen)
+    yield from _others(seen)
+    yield from (_not_clear(seen, one) for one in model.sections)
+
+
+def _listed(seen: Counted) -> Iterator[Property]:
+    """Claim for which trains the balance is exact."""
+    yield for_all_inputs(
+        "a train in the known order is counted without a gap",
+        _without_a_gap(seen),
+        statement="while the order of trains is known and has this train, each of its axles was counted since it came in",
+    )
+
+
+def _without_a_gap(seen: Counted) -> Bool:
+    return seen.is_listed.implies(seen.entry.bool(seen.model.entry.own.sure))
+
+
+def _exact(seen: Counted) -> Bool:
+    """What is taken for the train's axles is known: each was counted if it is in the order, and there is none if it is not."""
+    own = seen.model.entry.own
+    nobody = all_of(seen.entry.num(one).eq(0) for one in (own.true_axles_inside, own.behind, own.ahead))
+    return _without_a_gap(seen) & (seen.is_ordered & ~seen.is_listed).implies(nobody)
+
+
+def _its_axles(seen: Counted) -> Iterator[Property]:
+    """Claim which record tells how many axles a train has."""
+    model, own, verified = seen.model, seen.model.entry.own, seen.model.verification
+    of = model.composition.of(verified.machine)
+    yield for_all_inputs(
+        "a train is verified only when its axles are known",
+        _verified_is_known(seen),
+        statement="while a reference is stored, the entry knows how many axles a sound reference gave the train",
+    )
+    yield for_all_inputs(
+        "the record that is verified is the one that tells the axles",
+        of.num(verified.own.record_axles).eq(seen.entry.num(own.record_axles))
+        & of.bool(verified.own.sound).iff(seen.entry.bool(own.record_sound)),
+        statement="the axles that the entry takes for the train's are those of the record that the verification compares",
+        requirements=_COUNTER,
+    )
+    listed = seen.is_listed & seen.entry.bool(own.known)
+    yield for_all_inputs(
+        "no more axles came in than the train's own",
+        _without_a_gap(seen)
+        & listed.implies(seen.entry.num(own.came) <= seen.entry.num(own.own_axles))
+        & seen.is_listed.implies(seen.entry.num(own.inside) <= seen.entry.num(own.came)),
+        statement="while the order of trains is known and has this train, no more axles came in where it did than its first sound reference has, and at the "
+        "other end no more than had gone out there",
+    )
+
+
+def _verified_is_known(seen: Counted) -> Bool:
+    verified = seen.model.verification.machine
+    stored = seen.model.composition.of(verified).num(verified.mode).one_of(*verified.modes[1:3])
+    return stored.implies(seen.entry.bool(seen.model.entry.own.known))
+
+
+def _noticed(seen: Counted) -> Iterator[Property]:
+    """Claim when such a vehicle is noticed."""
+    own = seen.model.entry.own
+    behind, ahead = (seen.entry.num(one) > 0 for one in (own.behind, own.ahead))
+    yield under_assumption(
+        "an unannounced vehicle behind a train is noticed once the train's axles are known",
+        _exact(seen) & (behind & seen.entry.bool(own.known)).implies(~seen.believed),
+        statement="a vehicle that nobody announced and that came in behind a train is a disturbance of the counters in the cycle of its first axle, or in the "
+        "later one in which the train's first sound reference comes",
+    )
+    yield under_assumption(
+        "an unannounced vehicle at the other end is noticed at once",
+        _exact(seen) & ahead.implies(~seen.believed),
+        statement="a vehicle that nobody announced and that came in at the end at which the train did not is a disturbance of the counters in the cycle of its "
+        "first axle",
+    )
+    more = seen.more & seen.counting
+    yield reachable(
+        "an unannounced vehicle is noticed",
+        more & ~earlier_bool(seen.more) & earlier_bool(behind),
+        statement="axles of a vehicle behind a train can be noticed as not the train's own in a later cycle than that of the first",
+        requirements=_CLEAR,
+    )
+
+
+def _reaches_back(seen: Counted) -> Iterator[Property]:
+    """Claim what covers a vehicle that is not noticed yet."""
+    yield for_all_inputs(
+        "a train whose axles are not known reaches back to where it came in",
+        _verified_is_known(seen) & _reaches(seen),
+        statement="until a sound reference comes, the train's interval goes from beyond the end at which it came in to its front: what follows it is in it",
+    )
+
+
+def _reaches(seen: Counted) -> Bool:
+    own, slot = seen.model.entry.own, seen.model.area.own.slots[0]
+    edge, from_high = seen.model.config.sections.area.limit_mm, seen.entry.bool(own.from_high)
+    low, high = seen.area.num(slot.low), seen.area.num(slot.high)
+    unknown = seen.entry.bool(own.sure) & ~seen.entry.bool(own.known)
+    return unknown.implies(seen.area.bool(slot.present) & ite(from_high, high.eq(edge), low.eq(-edge)))
+
+
+def _others(seen: Counted) -> Iterator[Property]:
+    """Claim the same of a vehicle beside another train, which that train's composition notices."""
+    own, area = seen.model.entry.own, seen.model.area.machine
+    for number, more in enumerate(own.others_more, 2):
+        yield for_all_inputs(
+            f"more axles beside train {number} leave the area unswept",
+            (seen.entry.bool(more) & ~seen.is_clear).implies(~seen.area.bool(area.flag("swept")) & ~seen.is_ordered),
+            statement=f"axles that came in beside train {number} and are not its own are a disturbance of the counters here too",
+        )
+
+
+def _not_clear(seen: Counted, one: Section) -> Property:
+    """Claim that the section is not free over such a vehicle, from its first axle on; once it is noticed it is a vehicle that was not counted."""
+    model, own, slot = seen.model, seen.model.entry.own, seen.model.area.own.slots[0]
+    of, name = model.composition.of(one.machine), one.machine.name
+    free = of.bool(one.machine.flag("clear"))
+    start, end = (of.num(exact_to(place, UM)) for place in (one.start, one.end))
+    low_end, high_end = (
+        seen.area.num(exact_to(place, UM)) for place in (model.area.own.low_end, model.area.own.high_end)
+    )
+    rear, front = seen.area.num(slot.true_rear), seen.area.num(slot.true_front)
+    follows: Bool = seen.believed & (seen.entry.num(own.behind) > 0) & seen.area.bool(slot.there)
+    below, above = (start <= rear) & (end >= low_end), (end >= front) & (start <= high_end)
+    return under_assumption(
+        f"{name} is never clear with an unannounced vehicle behind the train",
+        all_of([_exact(seen), _verified_is_known(seen), _reaches(seen)])
+        & (follows & free).implies(~ite(seen.entry.bool(own.true_from_high), above, below)),
+        statement="until a vehicle that nobody announced is noticed, it is between the end at which the train came in and the train: no section there is FREE",
+    )
