@@ -82,7 +82,7 @@ def first_state(stay: Stay, start: Moment, cuts: Sequence[tuple[int, int]]) -> d
     if not stay.ghosts:
         return first
     ghosts: dict[str, Value] = {
-        "axle_section.true_axles": 0, "entry.true_axles": stay.train.axles, "train_order.train_1_inside": False,
+        "axle_section.true_axles": 0, "entry.true_axles": len(stay.train.axles_m()), "train_order.train_1_inside": False,
         "train_order.train_1_place_um": (low + high) // 2 * UM_PER_MM,
         "area.loose_there": False, "area.loose_rear_um": stay.ends.low_mm * UM_PER_MM,
         "area.loose_front_um": stay.ends.low_mm * UM_PER_MM, "area.train_1_true_rear_um": low * UM_PER_MM,
