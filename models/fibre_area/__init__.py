@@ -22,7 +22,7 @@ Inputs of a cycle, by name; all others are wired:
     entry.enters_low, enters_high  number of the train that comes in there, in the cycle of its first axle; 0: none
     entry.leaves_low, leaves_high  the running part of a train has passed out there
     entry.train_k_all_left  (k from 2)   all of that train has left, as its own composition counts
-    entry.train_k_more_axles_than_its_own (k from 2)  axles came in beside that train that are not its own, as its own composition tells
+    entry.train_k_axles_of_others (k from 2)  axles came in beside that train that are not its own, as its own composition tells
     entry.reference_comes          sender of the record that comes for this train in this cycle: NOBODY, AXLE_COUNTER or NEIGHBOUR
     entry.record_sound, entry.record_axles  that record: undisturbed, and its axles
     train_order.patterns, pattern_n_low_mm, pattern_n_high_mm  number and ends of the fibre's patterns in the area, from the low end

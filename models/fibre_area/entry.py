@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import FALSE, TRUE, Bool, Lit, as_num, ite
+from safeloc.language.expr import FALSE, TRUE, Bool, Lit, Num, any_of, as_num, ite
 from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
@@ -57,9 +57,9 @@ def build(own: Parts) -> Entry:
             "axles_inside": own.inside,
             "left": own.left,
             "left_in_part": own.in_part,
-            "axles_come_in": own.came,
+            "axles_come_in": own.come_in,
             "own_axles": own.own_axles,
-            "more_axles_than_its_own": own.more,
+            "axles_of_others": own.of_others,
             "unannounced": own.unannounced,
             **{one.name: one for one in own.events},
             **{one.name: one for one in own.gone},
@@ -82,7 +82,7 @@ def _balance_lemmas(own: Parts) -> dict[str, Bool]:
     balance = own.inside.eq(own.true_axles_inside + own.behind + own.ahead)
     return {
         "a sure balance is true": own.sure.implies(balance & own.there),
-        "a sure count of axles that came in is true": own.sure.implies(own.came.eq(own.true_came + own.behind)),
+        "a sure count of axles that came in is true": own.sure.implies(own.come_in.eq(own.true_came + own.behind)),
         "the train came in where it is told": own.sure.implies(own.from_high.iff(own.true_from_high)),
         "axles in the area came in": (own.true_axles_inside <= own.true_came) & (own.true_came <= own.true_axles),
         "an exit that was reported is remembered": (own.sure & own.part_out).implies(own.in_part),
@@ -93,7 +93,7 @@ def _balance_lemmas(own: Parts) -> dict[str, Bool]:
         "the reference has no more axles than the train": (own.sure & own.known).implies(
             own.own_axles <= own.true_axles
         ),
-        "no more axles came in than the reference has": (own.sure & own.known).implies(own.came <= own.own_axles),
+        "no more axles came in than the reference has": (own.sure & own.known).implies(own.come_in <= own.own_axles),
     }
 
 
@@ -102,21 +102,21 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     none, told = as_num(0, COUNT), own.told_before | own.told_now
     stays: Updates = {
         own.inside: ite(own.counted, own.balance, none),
-        own.came: ite(own.counted, own.come, none),
+        own.come_in: ite(own.counted, own.come_in_now, none),
         own.from_high: own.is_from_high,
         own.sure: own.counted,
         own.known: told,
         own.own_axles: ite(told, own.most, none),
         own.in_part: ~own.enters_now & (own.in_part | own.leaving),
-        own.more: own.has_more,
+        own.of_others: own.has_more,
         own.unannounced: own.someone_unannounced,
-        **own.passed_on(FALSE),
+        **_passed_on(own, FALSE),
     }
     gone: Updates = {
-        **dict.fromkeys((own.inside, own.came, own.own_axles), 0),
-        **dict.fromkeys((own.sure, own.from_high, own.known, own.in_part, own.more), FALSE),
+        **dict.fromkeys((own.inside, own.come_in, own.own_axles), 0),
+        **dict.fromkeys((own.sure, own.from_high, own.known, own.in_part, own.of_others), FALSE),
         own.unannounced: own.beside_others,
-        **own.passed_on(TRUE),
+        **_passed_on(own, TRUE),
     }
     not_due: Updates = {own.due: False, own.source: NOBODY}
     answered = together(stays, {own.waited: 0, own.due: True, own.source: own.comes})
@@ -135,3 +135,25 @@ def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     yield Transition("train is not here", outside, outside, TRUE, same, REQUIREMENTS, 5)
     yield Transition("reference is known", referenced, referenced, TRUE, same, REQUIREMENTS, 5)
     yield Transition("reference is missing", missing, missing, TRUE, same, REQUIREMENTS, 5)
+
+
+def _passed_on(own: Parts, left: Bool) -> Updates:
+    """Return what the later machines read in a cycle in which all of this train has `left`, or not.
+
+    A train that has left because the counters are clear is gone at the low end, whichever it left by, so that the order drops it.
+    """
+    low, high = (
+        out & any_of([last.eq(0), last.eq(THIS) & left, *_others_left(own, last)]) for _, out, last in own.ends
+    )
+    cleared = left & ~own.leaving & own.outermost[0].eq(THIS)
+    others = [own.event(number, whole) for number, whole in enumerate(own.all_left, THIS + 1)]
+    return {
+        own.left: left,
+        **dict(zip(own.events, [own.event(THIS, left), *others], strict=True)),
+        **dict(zip(own.gone, (low | cleared, high), strict=True)),
+        own.forgets: left | (own.enters_now & own.comes.eq(NOBODY)),
+    }
+
+
+def _others_left(own: Parts, outermost: Num) -> list[Bool]:
+    return [outermost.eq(number) & left for number, left in enumerate(own.all_left, THIS + 1)]

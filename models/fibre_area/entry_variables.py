@@ -21,7 +21,6 @@ from safeloc.language.expr import (
     number,
 )
 from safeloc.language.machine import ANY
-from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW, LEAVES_HIGH, LEAVES_LOW, NO_EVENT
 from safeloc.models.verification.variables import FROM, NOBODY
@@ -36,7 +35,7 @@ class Parts:
     enters     number of the train that comes in at this end in this cycle, by train control
     leaves     the running part of a train has passed out at this end in this cycle
     all_left   of each other train: all of it has left, by the axles that its own machine counts
-    others_more  of each other train: more axles came in beside it than are its own, by its own machine
+    beside_trains  of each other train: more axles came in beside it than are its own, by its own machine
     outermost  number of the train that was the outermost at this end before the cycle, by the order of trains
     comes      sender of the reference that comes for this train in this cycle; NOBODY: none comes
     record_sound, record_axles  that reference: undisturbed, and its axles
@@ -47,13 +46,13 @@ class Parts:
     waited     cycles since this train was counted in without a reference
     due, source   messages to the verification
     inside, sure  axles of this train counted in and not out again; it is there, and no count of them was missed
-    came, from_high  axles counted in at the end at which it came in, and not out again there; that is the high end
+    come_in, from_high  axles counted in at the end at which it came in, and not out again there; that is the high end
     known, own_axles  a sound reference came since it entered; the axles of the first one
     left, in_part  in this cycle the whole train has left; a part of it left, and axles are still inside
     events     of each train: it comes in or leaves in this cycle, and at which end; one that left a part behind has not left
     gone       at this end the outermost train has left with all its axles, or one that is not known passes out
     forgets    the reference of an earlier train with this number is no more: it has left, or another one comes in
-    more       axles came in beside this train that are not its own
+    of_others  axles came in beside this train that are not its own
     unannounced    axles are counted in, of no train that is known or comes in
     true_axles_inside   ghost: this train's axles in the area, with every part that it lost
     passed_in, passed_out  ghosts: axles that really pass at this end in this cycle
@@ -80,7 +79,7 @@ class Parts:
         self.leaves = tuple(declared.sensor(boolean(f"leaves_{side}")) for side in sides)
         others = range(THIS + 1, trains + 1)
         self.all_left = tuple(declared.sensor(boolean(f"train_{n}_all_left")) for n in others)
-        self.others_more = tuple(declared.sensor(boolean(f"train_{n}_more_axles_than_its_own")) for n in others)
+        self.beside_trains = tuple(declared.sensor(boolean(f"train_{n}_axles_of_others")) for n in others)
         self.outermost = tuple(declared.sensor(number(f"outermost_{side}", COUNT, 0, trains)) for side in sides)
         self.comes = declared.sensor(choice("reference_comes", enumeration(FROM)))
         self.record_sound = declared.sensor(boolean("record_sound"))
@@ -98,13 +97,13 @@ class Parts:
         self.source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
         self.inside = declared.state(number("axles_inside", COUNT, 0, axle_limit), first=0)
         self.sure = declared.state(boolean("count_is_sure"), first=False)
-        self.came = declared.state(number("axles_come_in", COUNT, 0, axle_limit), first=0)
+        self.come_in = declared.state(number("axles_come_in", COUNT, 0, axle_limit), first=0)
         self.from_high = declared.state(boolean("from_high"), first=False)
         self.known = declared.state(boolean("own_axles_known"), first=False)
         self.own_axles = declared.state(number("own_axles", COUNT, 0, axle_limit), first=0)
         self.left = declared.state(boolean("left"), first=False)
         self.in_part = declared.state(boolean("left_in_part"), first=False)
-        self.more = declared.state(boolean("more_axles_than_its_own"), first=False)
+        self.of_others = declared.state(boolean("axles_of_others"), first=False)
         self.unannounced = declared.state(boolean("unannounced"), first=False)
         self.events = tuple(declared.state(_event(n), first=NO_EVENT) for n in range(THIS, trains + 1))
         self.gone = tuple(declared.state(boolean(f"gone_{side}"), first=False) for side in ("low", "high"))
@@ -138,7 +137,7 @@ class Parts:
 
     def event(self, train: int, whole: Bool) -> Num:
         """Return the event of one train at either end; one that passes out is the outermost there, and leaves if it is `whole`."""
-        low, high = (out & last.eq(train) & whole for _, out, last in self._ends)
+        low, high = (out & last.eq(train) & whole for _, out, last in self.ends)
         return self._comes_in(train, ite(low, LEAVES_LOW, ite(high, LEAVES_HIGH, NO_EVENT)))
 
     def _comes_in(self, train: int, otherwise: Num) -> Num:
@@ -146,28 +145,9 @@ class Parts:
         return ite(low, ENTERS_LOW, ite(high, ENTERS_HIGH, otherwise))
 
     @cached_property
-    def _ends(self) -> tuple[tuple[Num, Bool, Num], ...]:
+    def ends(self) -> tuple[tuple[Num, Bool, Num], ...]:
+        """Of each end: the train that comes in, whether one passes out, and the outermost one."""
         return tuple(zip(self.enters, self.leaves, self.outermost, strict=True))
-
-    def passed_on(self, left: Bool) -> Updates:
-        """Return what the later machines read in a cycle in which all of this train has `left`, or not.
-
-        A train that has left because the counters are clear is gone at the low end, whichever it left by, so that the order drops it.
-        """
-        low, high = (
-            out & any_of([last.eq(0), last.eq(THIS) & left, *self._others_left(last)]) for _, out, last in self._ends
-        )
-        cleared = left & ~self.leaving & self.outermost[0].eq(THIS)
-        others = [self.event(number, whole) for number, whole in enumerate(self.all_left, THIS + 1)]
-        return {
-            self.left: left,
-            **dict(zip(self.events, [self.event(THIS, left), *others], strict=True)),
-            **dict(zip(self.gone, (low | cleared, high), strict=True)),
-            self.forgets: left | (self.enters_now & self.comes.eq(NOBODY)),
-        }
-
-    def _others_left(self, outermost: Num) -> list[Bool]:
-        return [outermost.eq(number) & left for number, left in enumerate(self.all_left, THIS + 1)]
 
     @cached_property
     def enters_now(self) -> Bool:
@@ -189,7 +169,7 @@ class Parts:
     def of_this(self, axles: tuple[Num, ...]) -> tuple[Num, Num]:
         """Return how many of the axles at either end are taken for this train's: it comes in there, or was the outermost and nobody comes in."""
         none = as_num(0, COUNT)
-        mine = [ite(came.eq(0), last.eq(THIS), came.eq(THIS)) for came, _, last in self._ends]
+        mine = [ite(came.eq(0), last.eq(THIS), came.eq(THIS)) for came, _, last in self.ends]
         low, high = (ite(own, count, none) for own, count in zip(mine, axles, strict=True))
         return low, high
 
@@ -206,10 +186,10 @@ class Parts:
         return ite(self.enters_now, 0, self.inside) + low + high
 
     @cached_property
-    def come(self) -> Num:
+    def come_in_now(self) -> Num:
         """Axles counted in and not out at the end at which the train came in; of one that enters, counted from zero."""
         low, high = self.passes
-        return ite(self.enters_now, 0, self.came) + ite(self.is_from_high, high, low)
+        return ite(self.enters_now, 0, self.come_in) + ite(self.is_from_high, high, low)
 
     # -------------------------------------------------------------- axles that are not its own
 
@@ -237,8 +217,8 @@ class Parts:
         """
         came_in = any_of(one > 0 for one in self.of_this(self.axles_in))
         reasons = [
-            (self.told_before | self.told_now) & (self.come > self.most),
-            self.balance > self.come,
+            (self.told_before | self.told_now) & (self.come_in_now > self.most),
+            self.balance > self.come_in_now,
             self.in_part & ~self.enters_now & came_in,
             ~self.possible,
         ]
@@ -248,7 +228,7 @@ class Parts:
     def possible(self) -> Bool:
         """As many axles as the counts say can be there."""
         limit = self.inside.high
-        return between(0, self.balance, limit) & between(0, self.come, limit)
+        return between(0, self.balance, limit) & between(0, self.come_in_now, limit)
 
     @cached_property
     def of_nobody(self) -> Bool:
@@ -264,7 +244,7 @@ class Parts:
     @cached_property
     def beside_others(self) -> Bool:
         """Axles are counted in, some of them beside another train that has fewer of its own."""
-        return self.occupied & any_of(self.others_more)
+        return self.occupied & any_of(self.beside_trains)
 
     # -------------------------------------------------------------- its exit
 

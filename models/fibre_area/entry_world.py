@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.language.expr import FALSE, Bool, Num, all_of, any_of, as_num, ite
+from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, all_of, any_of, as_num, ite
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law, World
 from safeloc.models.fibre_area.entry_variables import THIS, Parts
@@ -26,7 +26,7 @@ EMPTY = "clear counters have no axle between them"
 def world(own: Parts) -> World:
     """Return the moves of the ghosts, and the laws."""
     seen = _Cycle(own)
-    moves = {
+    moves: dict[NumVar | BoolVar, Num | Bool] = {
         own.true_axles_inside: own.next_inside,
         own.true_axles: own.next_axles,
         own.true_came: own.next_came,
@@ -67,7 +67,7 @@ class _Cycle:
         """After the cycle it is in the area, until it has passed out and no axle of it or of those beside it is inside."""
         own = self.own
         none = (own.next_inside + own.next_behind + own.next_ahead).eq(0)
-        return ite(self.comes_in, ~FALSE, own.there & ~own.clear & ~(self.passes_out & none))
+        return ite(self.comes_in, TRUE, own.there & ~own.clear & ~(self.passes_out & none))
 
     @cached_property
     def speaks(self) -> Bool:

@@ -61,7 +61,7 @@ class Counted:
     @cached_property
     def more(self) -> Bool:
         """Axles came in beside this train that are not its own."""
-        return self.entry.bool(self.model.entry.own.more)
+        return self.entry.bool(self.model.entry.own.of_others)
 
     @cached_property
     def believed(self) -> Bool:

@@ -51,7 +51,7 @@ def _without_a_gap(seen: Counted) -> Bool:
 
 
 def _exact(seen: Counted) -> Bool:
-    """What is taken for the train's axles is known: each was counted if it is in the order, and there is none if it is not."""
+    """Each axle that is taken for the train's is known: it was counted if it is in the order, and there is none if it is not."""
     own = seen.model.entry.own
     nobody = all_of(seen.entry.num(one).eq(0) for one in (own.true_axles_inside, own.behind, own.ahead))
     return _without_a_gap(seen) & (seen.is_ordered & ~seen.is_listed).implies(nobody)
@@ -77,8 +77,8 @@ def _its_axles(seen: Counted) -> Iterator[Property]:
     yield for_all_inputs(
         "no more axles came in than the train's own",
         _without_a_gap(seen)
-        & listed.implies(seen.entry.num(own.came) <= seen.entry.num(own.own_axles))
-        & seen.is_listed.implies(seen.entry.num(own.inside) <= seen.entry.num(own.came)),
+        & listed.implies(seen.entry.num(own.come_in) <= seen.entry.num(own.own_axles))
+        & seen.is_listed.implies(seen.entry.num(own.inside) <= seen.entry.num(own.come_in)),
         statement="while the order of trains is known and has this train, no more axles came in where it did than its first sound reference has, and at the "
         "other end no more than had gone out there",
     )
@@ -135,7 +135,7 @@ def _reaches(seen: Counted) -> Bool:
 def _others(seen: Counted) -> Iterator[Property]:
     """Claim the same of a vehicle beside another train, which that train's composition notices."""
     own, area = seen.model.entry.own, seen.model.area.machine
-    for number, more in enumerate(own.others_more, 2):
+    for number, more in enumerate(own.beside_trains, 2):
         yield for_all_inputs(
             f"more axles beside train {number} leave the area unswept",
             (seen.entry.bool(more) & ~seen.is_clear).implies(~seen.area.bool(area.flag("swept")) & ~seen.is_ordered),

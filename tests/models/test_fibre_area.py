@@ -192,7 +192,11 @@ def test_a_part_that_is_counted_out_later_ends_the_stay() -> None:
     """In the cycle in which the counters are clear, without a report of its exit; the laws allow it, so the proofs speak of it."""
     out = SWEPT + 190
     last = {"axle_section.axles_out_low": LOST_AXLES, "axle_section.true_axles_out_low": LOST_AXLES}
-    empty = {"entry.next_axles_inside": 0, "train_order.next_train_1_inside": False}
+    empty = {
+        "entry.next_axles_inside": 0,
+        "entry.next_axles_come_in": SPLIT.axles - LOST_AXLES,
+        "train_order.next_train_1_inside": False,
+    }
     steps = [
         {**without_remark(step), **(last if number == out else {}), **(empty if number >= out else {})}
         for number, step in enumerate(simulate(SPLIT))
@@ -217,7 +221,7 @@ def test_axles_of_a_train_that_comes_in_behind_are_its_own() -> None:
     own = entry_model.parts(trains=2, wait_cycles=240, axle_limit=1_000, axles_a_cycle=40)
     still: dict[str, Cell] = {
         "enters_low": 0, "enters_high": 0, "leaves_low": False, "leaves_high": False, "train_2_all_left": False,
-        "outermost_low": 1, "outermost_high": 1, "reference_comes": "NOBODY", "counters_clear": False,
+        "train_2_axles_of_others": False, "record_sound": False, "record_axles": 0, "outermost_low": 1, "outermost_high": 1, "reference_comes": "NOBODY", "counters_clear": False,
         "counters_occupied": True, "counters_count": True, "axles_in_low": 0, "axles_in_high": 0, "axles_out_low": 0, "axles_out_high": 0,
     }  # fmt: skip
     first = {"enters_low": 1, "outermost_low": 0, "outermost_high": 0, "axles_in_low": 4}

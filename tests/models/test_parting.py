@@ -198,14 +198,14 @@ STAYED = "a train that leaves a part behind has not left"
 UNCOUNTED = "a train of which axles were not counted is not counted out"
 OF_THE_EXIT: dict[str, tuple[str, Wrong]] = {
     "leaving is believed without a count": ("complete", lambda one, _: one.leaving),
-    "axles that leave are not counted": ("balance", lambda one, right: right + one.of_this(one.axles_out)),
+    "axles that leave are not counted": ("balance", lambda one, right: right + sum(one.of_this(one.axles_out))),
     "one axle less is enough": ("complete", lambda one, _: one.leaving & one.counted & (one.balance <= 1)),
     "a disturbed counter counts none": ("counted", lambda one, _: one.enters_now | one.sure),
-    "axles of any train are this one's": ("of_this", lambda _one, _right, axles: axles[0] + axles[1]),
+    "axles of any train are this one's": ("of_this", lambda _one, _right, axles: axles),
     "an area that is not clear is empty": ("emptied", lambda one, _: ~one.enters_now),
     "what the train before left is counted": (
         "balance",
-        lambda one, _: one.inside + one.of_this(one.axles_in) - one.of_this(one.axles_out),
+        lambda one, _: one.inside + sum(one.passes),
     ),
 }
 

@@ -491,6 +491,9 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_area", assumed("report.pattern_is_the_trains"), "the train's pattern is one that holds it"),
     ("fibre_area", cut("entry.axle_between"), "the entry's axle between is an axle between the counters"),
     ("fibre_area", _gone_only_if_reported, "the order hears that clear counters let the train go"),
+    ("fibre_area", cut("verification.record_axles"), "the record that is verified is the one that tells the axles"),
+    ("fibre_area", cut("verification.record_sound"), "the record that is verified is the one that tells the axles"),
+    ("fibre_area", cut("entry.counters_occupied"), "disturbed counters leave the area unswept"),
     ("fibre_area", cut("area.axle_between"), "axles between the counters keep the train there"),
     (
         "counted_entry",
