@@ -376,7 +376,7 @@ def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSect
         area.own.clear: axle_section.machine.flag("clear"),
         area.own.axle_between: axle_section.own.axles > 0,
         **{one.event: event for one, event in zip(area.own.slots, entry.own.events, strict=True)},
-        slot.next_all_out: entry.own.next_inside.eq(0),
+        slot.next_all_out: entry.own.true_axles_inside.eq(0),
         slot.rear.present: reported,
         slot.front.present: reported,
         slot.rear.value: report.machine.output("low_mm"),

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from safeloc.language.expr import FALSE, TRUE, Bool, Lit, Num, any_of, as_num, ite
+from safeloc.language.expr import FALSE, TRUE, Bool, Lit, Num, all_of, any_of, as_num, ite
 from safeloc.language.machine import Model, Transition, current_mode, modes
 from safeloc.language.rows import Updates, together
 from safeloc.language.units import COUNT
@@ -82,13 +82,15 @@ def _balance_lemmas(own: Parts) -> dict[str, Bool]:
     balance = own.inside.eq(own.true_axles_inside + own.behind + own.ahead)
     return {
         "a sure balance is true": own.sure.implies(balance & own.there),
-        "a sure count of axles that came in is true": own.sure.implies(own.come_in.eq(own.true_came + own.behind)),
+        "only a train that is there has axles in the area": own.there
+        | all_of(one.eq(0) for one in (own.true_axles_inside, own.behind, own.ahead)),
+        "a sure count of axles that came in is true": own.sure.implies(own.come_in.eq(own.true_come_in + own.behind)),
         "the train came in where it is told": own.sure.implies(own.from_high.iff(own.true_from_high)),
-        "axles in the area came in": (own.true_axles_inside <= own.true_came) & (own.true_came <= own.true_axles),
+        "axles in the area came in": (own.true_axles_inside <= own.true_come_in) & (own.true_come_in <= own.true_axles),
         "an exit that was reported is remembered": (own.sure & own.part_out).implies(own.in_part),
         "nobody is ahead of a train with a sure balance": own.sure.implies(own.ahead.eq(0)),
         "all of a train is in before another is behind it": (own.sure & (own.behind > 0)).implies(
-            own.true_came.eq(own.true_axles)
+            own.true_come_in.eq(own.true_axles)
         ),
         "the reference has no more axles than the train": (own.sure & own.known).implies(
             own.own_axles <= own.true_axles

@@ -60,10 +60,12 @@ class Parts:
 
     Ghosts of a train that is there, and of vehicles that nobody announced:
 
-    true_axles, true_came, true_from_high  its axles; those that came in where it did, and not out again there; that is the high end
+    true_axles, true_come_in, true_from_high  its axles; those that came in where it did, and not out again there; that is the high end
     there      it came in, and not all of it has left
     part_out   its running part passed out, and axles of it or of others stayed
     behind, ahead  axles of others that came in where this train did, and at the other end
+    axles_of_one_that_enters  what its axles are if it comes in
+    own_passes, others_pass  axles of the train, and of others, that come in at this end in this cycle, less those that go out
     """
 
     def __init__(self, trains: int, wait_cycles: int, axle_limit: int, axles_a_cycle: int) -> None:
@@ -115,20 +117,21 @@ class Parts:
         def axles(name: str) -> NumVar:
             return number(name, COUNT, 0, axle_limit)
 
+        def passes(name: str) -> NumVar:
+            return number(name, COUNT, -axle_limit, axle_limit)
+
         sides = ("low", "high")
         self.true_axles_inside = declared.ghost(axles("true_axles_inside"), first=0)
         self.true_axles = declared.ghost(axles("true_axles"), first=ANY)
-        self.true_came = declared.ghost(axles("true_axles_come_in"), first=0)
+        self.true_come_in = declared.ghost(axles("true_axles_come_in"), first=0)
         self.true_from_high = declared.ghost(boolean("true_from_high"), first=False)
         self.there = declared.ghost(boolean("there"), first=False)
         self.part_out = declared.ghost(boolean("part_out"), first=False)
         self.behind = declared.ghost(axles("axles_of_others_behind"), first=0)
         self.ahead = declared.ghost(axles("axles_of_others_ahead"), first=0)
-        self.next_inside = declared.choice(axles("next_axles_inside"))
-        self.next_axles = declared.choice(axles("next_true_axles"))
-        self.next_came = declared.choice(axles("next_axles_come_in"))
-        self.next_behind = declared.choice(axles("next_axles_of_others_behind"))
-        self.next_ahead = declared.choice(axles("next_axles_of_others_ahead"))
+        self.axles_of_one_that_enters = declared.choice(axles("axles_of_one_that_enters"))
+        self.own_passes = tuple(declared.choice(passes(f"own_axles_{side}")) for side in sides)
+        self.others_pass = tuple(declared.choice(passes(f"other_axles_{side}")) for side in sides)
         self.passed_in = tuple(declared.choice(number(f"true_axles_in_{side}", COUNT, 0, most)) for side in sides)
         self.passed_out = tuple(declared.choice(number(f"true_axles_out_{side}", COUNT, 0, most)) for side in sides)
         self.axle_between = declared.choice(boolean("axle_between"))

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, all_of, any_of, as_num, ite
+from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, all_of, any_of, as_num, between, ite
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law, World
 from safeloc.models.fibre_area.entry_variables import THIS, Parts
@@ -27,14 +27,14 @@ def world(own: Parts) -> World:
     """Return the moves of the ghosts, and the laws."""
     seen = _Cycle(own)
     moves: dict[NumVar | BoolVar, Num | Bool] = {
-        own.true_axles_inside: own.next_inside,
-        own.true_axles: own.next_axles,
-        own.true_came: own.next_came,
+        own.true_axles_inside: seen.inside,
+        own.true_axles: seen.axles,
+        own.true_come_in: seen.come_in,
         own.true_from_high: seen.from_high,
         own.there: seen.is_there,
-        own.part_out: seen.is_there & ~seen.comes_in & (own.part_out | seen.passes_out),
-        own.behind: own.next_behind,
-        own.ahead: own.next_ahead,
+        own.part_out: seen.is_there & (seen.part_out | seen.passes_out),
+        own.behind: seen.behind,
+        own.ahead: seen.ahead,
     }
     return own.declared.world(moves=moves, clauses=_clauses(own, seen))
 
@@ -62,12 +62,61 @@ class _Cycle:
         outs = zip(own.leaves, own.outermost, strict=True)
         return ~self.comes_in & any_of(out & last.eq(THIS) for out, last in outs)
 
+    def _before(self, count: Num) -> Num:
+        """Return a count of this train's before the cycle; 0 if it comes in."""
+        return ite(self.comes_in, as_num(0, COUNT), count)
+
+    @cached_property
+    def axles(self) -> Num:
+        """Its axles: the same during its stay."""
+        return ite(self.comes_in, self.own.axles_of_one_that_enters, self.own.true_axles)
+
+    @cached_property
+    def come_in(self) -> Num:
+        """Its axles that came in where it did, after the cycle."""
+        return self._before(self.own.true_come_in) + self.at_entry(self.own.own_passes)
+
+    @cached_property
+    def inside(self) -> Num:
+        """Its axles in the area, after the cycle."""
+        low, high = self.own.own_passes
+        return self._before(self.own.true_axles_inside) + low + high
+
+    @cached_property
+    def behind_before(self) -> Num:
+        """Axles of others that came in where it did, before the cycle."""
+        return self._before(self.own.behind)
+
+    @cached_property
+    def behind(self) -> Num:
+        """The same after the cycle."""
+        return self.behind_before + self.at_entry(self.own.others_pass)
+
+    @cached_property
+    def ahead(self) -> Num:
+        """Axles of others that came in at the other end, after the cycle."""
+        return self._before(self.own.ahead) + self.at_exit(self.own.others_pass)
+
+    @cached_property
+    def counts(self) -> tuple[Num, Num, Num]:
+        """Axles in the area of the train, and of those behind and ahead of it, after the cycle."""
+        return self.inside, self.behind, self.ahead
+
+    @cached_property
+    def nobody(self) -> Bool:
+        """After the cycle no axle of the train or of others beside it is inside."""
+        return all_of(one.eq(0) for one in self.counts)
+
+    @cached_property
+    def part_out(self) -> Bool:
+        """Its running part was reported to have passed out before the cycle."""
+        return self.own.part_out & ~self.comes_in
+
     @cached_property
     def is_there(self) -> Bool:
         """After the cycle it is in the area, until it has passed out and no axle of it or of those beside it is inside."""
         own = self.own
-        none = (own.next_inside + own.next_behind + own.next_ahead).eq(0)
-        return ite(self.comes_in, TRUE, own.there & ~own.clear & ~(self.passes_out & none))
+        return ite(self.comes_in, TRUE, own.there & ~own.clear & ~(self.passes_out & self.nobody))
 
     @cached_property
     def speaks(self) -> Bool:
@@ -76,28 +125,29 @@ class _Cycle:
         known = any_of(one > 0 for one in (*own.enters, *own.outermost))
         return own.counters_count & (~own.occupied | known)
 
-    def _at_its_end(self, axles: tuple[Num, ...], *, entry: bool) -> Num:
-        """Return the axles that pass at the end at which it came in, or at the other one, if it is the outermost there."""
-        own, none = self.own, as_num(0, COUNT)
-        ends = zip(own.enters, own.outermost, axles, strict=True)
+    def at_entry(self, low_and_high: tuple[Num, ...]) -> Num:
+        """Return what passes at the end at which it came in."""
+        low, high = low_and_high
+        return ite(self.from_high, high, low)
+
+    def at_exit(self, low_and_high: tuple[Num, ...]) -> Num:
+        """Return what passes at the other end."""
+        low, high = low_and_high
+        return ite(self.from_high, low, high)
+
+    @cached_property
+    def is_outermost(self) -> tuple[Bool, Bool]:
+        """At either end: it comes in there, or it was the outermost there and none comes in."""
+        own = self.own
         low, high = (
-            ite((came > 0) & came.ne(THIS), none, ite(came.eq(THIS) | last.eq(THIS), count, none))
-            for came, last, count in ends
+            came.eq(THIS) | (came.eq(0) & last.eq(THIS)) for came, last in zip(own.enters, own.outermost, strict=True)
         )
-        return ite(self.from_high, high, low) if entry else ite(self.from_high, low, high)
-
-    def before(self, count: Num) -> Num:
-        """Return a count of this train's before the cycle; 0 if it comes in."""
-        return ite(self.comes_in, as_num(0, COUNT), count)
-
-    def passed(self, *, entry: bool) -> tuple[Num, Num]:
-        """Return the axles that really pass in and out at the end at which it came in, or at the other one."""
-        return self._at_its_end(self.own.passed_in, entry=entry), self._at_its_end(self.own.passed_out, entry=entry)
+        return low, high
 
 
 def _clauses(own: Parts, seen: _Cycle) -> dict[str, Law]:
     counted, passed = (*own.axles_in, *own.axles_out), (*own.passed_in, *own.passed_out)
-    all_inside = own.next_inside + own.next_behind + own.next_ahead
+    limit = own.inside.high
     return {
         EXACT: Law(
             own.counters_count.implies(all_of(one.eq(true) for one, true in zip(counted, passed, strict=True))),
@@ -114,7 +164,7 @@ def _clauses(own: Parts, seen: _Cycle) -> dict[str, Law]:
             check="safety case of the counters",
         ),
         "the train's axles in the area are between the counters": Law(
-            (all_inside > 0).implies(own.axle_between),
+            seen.nobody | own.axle_between,
             "An axle in the area, of this train or of a vehicle beside it that nobody announced, is an axle between its counters.",
             source="[D] a definition of the area",
             owner="nobody",
@@ -122,18 +172,20 @@ def _clauses(own: Parts, seen: _Cycle) -> dict[str, Law]:
         "axles of a train came in where it did": Law(
             all_of(
                 [
-                    (own.next_inside <= own.next_came) & (own.next_came <= own.next_axles),
-                    (own.there & ~seen.comes_in).implies(own.next_axles.eq(own.true_axles)),
+                    (seen.inside >= 0) & (seen.inside <= seen.come_in) & (seen.come_in <= seen.axles),
+                    between(0, seen.behind, limit) & between(0, seen.ahead, limit),
+                    seen.is_there | seen.nobody,
                 ]
             ),
-            "A train has the same axles during its stay. Those in the area came in at its end, and none of them has gone out at the other one.",
+            "The train's axles in the area came in where it did, and none of them has gone out at the other end; before it came in, and when it has left, there is none, and "
+            "nothing is beside it.",
             source="[D] a definition of the counts",
             owner="nobody",
         ),
         "the axles at an end are those of the outermost train": _outermost_law(own, seen),
         "no unannounced vehicle passes a train": _beside_law(own, seen),
         "a sound reference counts the train's axles": Law(
-            (seen.is_there & own.comes.ne(NOBODY) & own.record_sound).implies(own.record_axles <= own.next_axles),
+            (seen.is_there & own.comes.ne(NOBODY) & own.record_sound).implies(own.record_axles <= seen.axles),
             "A reference that comes undisturbed while the train is in the area has no more axles than the train.",
             source="[S] FVA-4: the sensor is safe; FVA-D1: the neighbour hands over what it verified",
             owner="supplier",
@@ -143,19 +195,13 @@ def _clauses(own: Parts, seen: _Cycle) -> dict[str, Law]:
 
 
 def _outermost_law(own: Parts, seen: _Cycle) -> Law:
-    came, inside = own.next_came - seen.before(own.true_came), own.next_inside - seen.before(own.true_axles_inside)
-    behind, ahead = own.next_behind - seen.before(own.behind), own.next_ahead - seen.before(own.ahead)
-    (in_here, out_here), (in_there, out_there) = (seen.passed(entry=entry) for entry in (True, False))
+    terms = list[Bool]()
+    ends = zip(seen.is_outermost, own.own_passes, own.others_pass, own.passed_in, own.passed_out, strict=True)
+    for here, its, others, came, went in ends:
+        terms.append(here.implies((its + others).eq(came - went) & (others <= came)))
+        terms.append((~here).implies(its.eq(0) & others.eq(0)))
     return Law(
-        seen.speaks.implies(
-            all_of(
-                [
-                    (came + behind).eq(in_here - out_here),
-                    (inside - came + ahead).eq(in_there - out_there),
-                    (behind <= in_here) & (ahead <= in_there),
-                ]
-            )
-        ),
+        seen.speaks.implies(all_of(terms)),
         "While the order of trains is known and names one, or one comes in, the axles that pass at an end are those of the train that comes "
         "in there, or else of the outermost one, with parts that it lost, or of vehicles beside it that nobody announced; no other one of its axles comes or goes. A train that "
         "comes in is announced in the cycle of its first axle, or nobody announces it.",
@@ -166,15 +212,15 @@ def _outermost_law(own: Parts, seen: _Cycle) -> Law:
 
 
 def _beside_law(own: Parts, seen: _Cycle) -> Law:
-    before = seen.before(own.behind)
-    out_before = own.part_out & ~seen.comes_in
+    stays = (seen.behind_before > 0) & (seen.behind > 0)
+    here, there = seen.at_entry(own.others_pass), seen.at_exit(own.others_pass)
     return Law(
         seen.speaks.implies(
             all_of(
                 [
-                    (own.next_behind > before).implies(own.next_came.eq(own.next_axles) | out_before),
-                    ((before > 0) & (own.next_behind > 0)).implies(own.next_came >= own.true_came),
-                    (own.next_ahead > seen.before(own.ahead)).implies(own.next_inside.eq(own.next_came) | out_before),
+                    (here > 0).implies(seen.come_in.eq(seen.axles) | seen.part_out),
+                    stays.implies(seen.at_entry(own.own_passes) >= 0),
+                    (there > 0).implies(seen.inside.eq(seen.come_in) | seen.part_out),
                 ]
             )
         ),

@@ -12,7 +12,7 @@ from safeloc.language.nodes import Value
 from safeloc.language.units import MS_PER_S, NM_PER_UM, UM_PER_MM
 from safeloc.models.fibre.simulate import Drive, Section, line, simulate
 from safeloc.models.fibre_area import FibreAreaConfig
-from safeloc.models.fibre_area.simulated_counters import heads, inside, passed, sweep
+from safeloc.models.fibre_area.simulated_counters import come_in, heads, inside, passed, sweep
 from safeloc.runtime.streams.steps import Cell
 
 Steps = list[dict[str, Cell]]
@@ -169,37 +169,28 @@ class _World:
         entered = not self._left and cycle > self._journey.enters
         out = (entered and high_mm < begins, entered and low_mm > ends)
         self._left = self._left or any(out)
-        passes = self._axles_passed(cycle, low_mm, high_mm)
+        own, others = self._axles_passed(cycle, low_mm, high_mm)
+        passes = {name: own[name] + others[name] for name in own}
         swept = {f"axle_section.{name}": cell for name, cell in self._sweep[cycle].items()} if cycle < 0 else {}
         return {
             **heads(passes, passes), **swept,
             "entry.enters_low": int(cycle == self._journey.enters), "entry.enters_high": 0,
             "entry.leaves_low": out[0], "entry.leaves_high": out[1],
             "entry.reference_comes": "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY",
-            **self._true_axles(),
+            "entry.axles_of_one_that_enters": self._journey.axles, **come_in("own", own), **come_in("other", others),
         }  # fmt: skip
 
-    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> dict[str, int]:
-        """Return the axles that came into the area and left it since the previous cycle."""
-        before, others = self._axles_mm, self._others_mm
+    def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> tuple[dict[str, int], dict[str, int]]:
+        """Return the axles of the train, and of one that nobody announced, that came into the area and left it since the previous cycle."""
+        before, others, ends = self._axles_mm, self._others_mm, self._journey.area_mm
         self._axles_mm, self._others_mm = self._axle_places(cycle, low_mm, high_mm), _others_mm(self._journey, low_mm)
         self._others_noticed |= cycle >= (self._journey.record or cycle) and self._others_inside > 0
-        return passed([*before, *others], [*self._axles_mm, *self._others_mm], self._journey.area_mm)
+        return passed(before, self._axles_mm, ends), passed(others, self._others_mm, ends)
 
     @property
     def _others_inside(self) -> int:
         """Axles in the area of the train that nobody announced."""
         return inside(self._others_mm, self._journey.area_mm)
-
-    def _true_axles(self) -> dict[str, Cell]:
-        """Return the axles of the train and of the one that nobody announced."""
-        begins = self._journey.area_mm[0]
-        return {
-            "entry.next_axles_inside": inside(self._axles_mm, self._journey.area_mm),
-            "entry.next_true_axles": self._journey.axles,
-            "entry.next_axles_come_in": sum(place > begins for place in self._axles_mm),
-            "entry.next_axles_of_others_behind": self._others_inside, "entry.next_axles_of_others_ahead": 0,
-        }  # fmt: skip
 
     def _axle_places(self, cycle: int, low_mm: int, high_mm: int) -> list[int]:
         """Return the place of every axle, evenly along the train; lost axles stay."""

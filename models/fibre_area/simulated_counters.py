@@ -28,6 +28,13 @@ def passed(before: Sequence[float], now: Sequence[float], ends: tuple[float, flo
     return made
 
 
+def come_in(whose: str, passes: Mapping[str, int]) -> dict[str, Cell]:
+    """Return how many axles of the train ("own") or of others ("other") came in at either end, less those that went out."""
+    return {
+        f"entry.{whose}_axles_{end}": passes[f"axles_in_{end}"] - passes[f"axles_out_{end}"] for end in ("low", "high")
+    }
+
+
 def heads(counted: Mapping[str, int], true: Mapping[str, int]) -> dict[str, Cell]:
     """Return the inputs of the axle section: axles counted, and those that really passed."""
     truth = {f"true_{name}": number for name, number in true.items()}

@@ -16,7 +16,7 @@ from safeloc.models.fibre.scenes.ends import EndHost, Followed, Side
 from safeloc.models.fibre.scenes.order import inside_area, patterns_of
 from safeloc.models.fibre.scenes.scene import Moment, Scene
 from safeloc.models.fibre_area import FibreAreaConfig, compose_machines
-from safeloc.models.fibre_area.simulated_counters import heads, inside, passed, sweep
+from safeloc.models.fibre_area.simulated_counters import come_in, heads, inside, passed, sweep
 from safeloc.models.sections import SectionsConfig
 from safeloc.runtime.streams.steps import Cell
 from safeloc.sensing.fibre.features import TrainSeen
@@ -182,7 +182,7 @@ class _Host:
         before, self._front_mm = self._front_mm, high
         place, there = (low + high) // 2 * UM_PER_MM, self._axles.inside > 0
         truth |= {
-            **self._axles.true_counts, "train_order.next_train_1_inside": there,
+            "train_order.next_train_1_inside": there,
             "train_order.next_train_1_place_um": place, "train_order.pattern_1_owner": int(there),
         }  # fmt: skip
         return truth | self._axles.truth | _world(self._stay, moment) | _body(self._stay, high, high - before)
@@ -217,17 +217,10 @@ class _Axles:
         cells = heads(counted, true)
         if self._sweep:
             cells = {f"axle_section.{name}": cell for name, cell in self._sweep.pop(0).items()}
-        self.truth = {name: cell for name, cell in cells.items() if ".true_" in name}
-        return {name: cell for name, cell in cells.items() if name not in self.truth}
-
-    @property
-    def true_counts(self) -> dict[str, Cell]:
-        """The train's axles, those in the area, and those that came in at its low end."""
-        came = sum(place > self._ends[0] for place in self._places)
-        return {
-            "entry.next_axles_inside": self.inside, "entry.next_true_axles": len(self._places), "entry.next_axles_come_in": came,
-            "entry.next_axles_of_others_behind": 0, "entry.next_axles_of_others_ahead": 0,
-        }  # fmt: skip
+        truth = {name: cell for name, cell in cells.items() if ".true_" in name}
+        of_trains = {**come_in("own", true), **come_in("other", dict.fromkeys(true, 0))}
+        self.truth = {**truth, "entry.axles_of_one_that_enters": len(self._places), **of_trains}
+        return {name: cell for name, cell in cells.items() if name not in truth}
 
     @property
     def inside(self) -> int:

@@ -73,8 +73,8 @@ class Group:
         inputs = _lawful(self.condition, self.inputs, state, self._rest, seconds)
         if isinstance(inputs, Learned):
             return inputs
-        for eager in (True, False):
-            self._add(self._general.witness(state, inputs, eager=eager))
+        for eager, resting in ((True, True), (True, False), (False, False)):
+            self._add(self._general.witness(state, inputs, eager=eager, resting=resting))
             if self._covers(-1, state):
                 return Learned.COVERED
             self._take_back()

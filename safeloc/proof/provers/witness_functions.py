@@ -64,19 +64,28 @@ class Generalisation:
             if node in free or any(child in self._reads for child in children(node)):
                 self._reads.add(node)
 
-    def witness(self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], *, eager: bool) -> Witness:
+    def witness(
+        self, state: Mapping[Var, Value], inputs: Mapping[Var, Value], *, eager: bool, resting: bool = False
+    ) -> Witness:
         """Return a witness function that gives lawful inputs in this state.
 
-        eager  it also satisfies conditions that are not active in this state
+        eager    it also satisfies conditions that are not active in this state
+        resting  numbers that are at rest in these inputs are so in every state: it reads less, and is simpler
         """
         values = dict(zip(self._order, evaluate(self._order, {**state, **inputs}), strict=True))
         followed = _Followed(values, self._reads, frozenset(self.inputs), eager)
         followed.follow(self.condition, True)
         flags: dict[Var, Expr] = {var: Truth(value) for var, value in followed.flags.items()}
         numbers = [var for var in self.inputs if isinstance(var, NumVar)]
-        found = solved([*numbers, *followed.parts], followed.zeros, followed.bounds)
         rest = constants(at_rest(self.inputs))
+        still = [_is_zero(var, canonical(var)) for var in numbers if resting and inputs[var] == canonical(var)]
+        found = solved([*numbers, *followed.parts], [*still, *followed.zeros], followed.bounds)
         return {var: flags.get(var, found.get(var, rest[var])) for var in self.inputs}
+
+
+def _is_zero(var: NumVar, value: int) -> Linear:
+    """Return what is 0 where the input has this value."""
+    return Linear({var: 1}, Lit(-value, ONE))
 
 
 class _Followed:
