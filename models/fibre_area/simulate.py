@@ -7,6 +7,7 @@ messages of axle counter and emitter. One train runs from the low end to the hig
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from safeloc.language.nodes import Value
 from safeloc.language.units import MS_PER_S, NM_PER_UM, UM_PER_MM
@@ -31,7 +32,9 @@ class Journey:
     speeds_mm_s  the speed from a cycle on, reached by traction or brakes; negative: back towards the low end
     spacing_mm   distance between the line's sections, the first of which lies so far inside the area
     silent       (from, to) cycles in which the detector does not follow the pattern
-    record       cycle in which the axle counter's record comes; None: never
+    record       cycle in which the train's record comes; None: never
+    sender       who sends it: the axle counter, or the neighbouring area, which has it ready when the train comes in
+    tested       cycle in which the host requests the emitter's pattern, which comes in the next one
     referred     the counter gives both ends a reference as they pass; otherwise the position code has to give their places
     counted_every  cycles between two counts of the axles
     uncounted    (from, to) cycles in which the detector measures the train's length, but counts no axles
@@ -53,6 +56,8 @@ class Journey:
     area_mm: tuple[int, int] = (0, 2_000_000)
     cuts_mm: tuple[tuple[int, int], ...] = ((500_000, 1_000_000),)
     record: int | None = 14
+    sender: Literal["AXLE_COUNTER", "NEIGHBOUR"] = "AXLE_COUNTER"
+    tested: int = 0
     referred: bool = True
     counted_every: int = 3
     uncounted: tuple[int, int] | None = None
@@ -153,9 +158,12 @@ class _World:
         """Request the pattern in the first cycle; send it then and whenever it is due."""
         emitter, silent = self._config.emitter, _during(cycle, self._journey.emitter_dead)
         self._since += cycle >= 0
-        heard = not silent and (cycle == 1 or self._since >= emitter.due_cycles - 1)
+        heard = not silent and (cycle == self._journey.tested + 1 or self._since >= emitter.due_cycles - 1)
         self._since = 0 if heard else min(self._since, emitter.due_cycles)
-        step: dict[str, Cell] = {"emitter.test_requested": cycle == 0, "emitter.next_chain_works": not silent}
+        step: dict[str, Cell] = {
+            "emitter.test_requested": cycle == self._journey.tested,
+            "emitter.next_chain_works": not silent,
+        }
         if heard:
             step |= {"emitter.heard_pattern": emitter.pattern, "emitter.heard_place_mm": emitter.place_mm}
         return step
@@ -176,7 +184,7 @@ class _World:
             **heads(passes, passes), **swept,
             "entry.enters_low": int(cycle == self._journey.enters), "entry.enters_high": 0,
             "entry.leaves_low": out[0], "entry.leaves_high": out[1],
-            "entry.reference_comes": "AXLE_COUNTER" if cycle == self._journey.record else "NOBODY",
+            "entry.reference_comes": self._journey.sender if cycle == self._journey.record else "NOBODY",
             "entry.axles_of_one_that_enters": self._journey.axles, **come_in("own", own), **come_in("other", others),
         }  # fmt: skip
 
