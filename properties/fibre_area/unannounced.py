@@ -39,7 +39,7 @@ def unannounced(model: FibreArea) -> Iterator[Property]:
 
 def _listed(seen: Counted) -> Iterator[Property]:
     """Claim for which trains the balance is exact."""
-    yield for_all_inputs(
+    yield under_assumption(
         "a train in the known order is counted without a gap",
         _without_a_gap(seen),
         statement="while the order of trains is known and has this train, each of its axles was counted since it came in",
@@ -74,7 +74,7 @@ def _its_axles(seen: Counted) -> Iterator[Property]:
         requirements=_COUNTER,
     )
     listed = seen.is_listed & seen.entry.bool(own.known)
-    yield for_all_inputs(
+    yield under_assumption(
         "no more axles came in than the train's own",
         _without_a_gap(seen)
         & listed.implies(seen.entry.num(own.come_in) <= seen.entry.num(own.own_axles))
