@@ -19,7 +19,7 @@ from safeloc.cli.console import out, print_json
 from safeloc.cli.keeping import CacheOption, FreshOption, store_in
 from safeloc.cli.options import ConfigOption, JobsOption, TargetArgument
 from safeloc.cli.show import EXIT_CODES, Progressing
-from safeloc.proof.cores.clauses import laws
+from safeloc.proof.cores.clauses import ClauseId, assumed_clauses, laws
 from safeloc.proof.provers.limits import Limits
 from safeloc.report.fault_tree import fault_tree
 
@@ -30,6 +30,10 @@ _HARMLESS = ("contained", "no hazard")
 def faults(
     target: TargetArgument,
     config: ConfigOption = None,
+    clause: Annotated[
+        list[str] | None,
+        typer.Option(help="only this clause: its id or name in `safeloc list assumptions` (repeatable)"),
+    ] = None,
     order: Annotated[
         int,
         typer.Option(help="1: every clause alone; 2: also every pair of clauses that alone do no harm", min=1, max=2),
@@ -54,7 +58,8 @@ def faults(
     top = top_event(loaded)
     if order > 1 and not top:
         raise typer.BadParameter(f"{loaded.name} reports no interval and declares no hazard; give --order 1.")
-    effects = _broken(loaded, order, Limits(seconds=seconds), jobs, cache, fresh=fresh, quiet=as_json)
+    asked = _clauses(loaded, clause) if clause else None
+    effects = _broken(loaded, asked, order, Limits(seconds=seconds), jobs, cache, fresh=fresh, quiet=as_json)
     sets, numbers = cut_sets(top, effects), ids_of(loaded)
     if open_psa is not None:
         open_psa.write_text(to_open_psa(loaded.name, sets, numbers), encoding="utf-8")
@@ -63,24 +68,49 @@ def faults(
     if as_json:
         print_json(faults_data(loaded, effects, sets))
     else:
-        for line in _lines(loaded, effects, sets):
+        for line in _lines(loaded, effects, sets, of="these clauses" if asked else ""):
             out.print(line, markup=False, soft_wrap=True)
     if any(one.open_ or one.end == "undecided" for one in effects):
         raise typer.Exit(EXIT_CODES["unknown"])
 
 
+def _clauses(target: Target, asked: Sequence[str]) -> list[ClauseId]:
+    """Return the clauses of these ids or names, in the order of the target; BadParameter for one that it does not have, or does not assume."""
+    ids, assumed = ids_of(target), assumed_clauses(target.system)
+    for one in asked:
+        if not any(one in (ids[clause], clause.name) for clause in assumed):
+            known = [ids[clause] for clause in assumed]
+            by_others = any(one in (ids[clause], clause.name) for clause in ids)
+            why = "is guaranteed by another machine, and not assumed" if by_others else "is no clause"
+            raise typer.BadParameter(
+                f"{one!r} {why} of {target.name}; its clauses are {', '.join(known)}. "
+                f"`safeloc list assumptions --machine {target.name}` shows them.",
+                param_hint="--clause",
+            )
+    return [clause for clause in assumed if ids[clause] in asked or clause.name in asked]
+
+
 def _broken(
-    target: Target, order: int, limits: Limits, jobs: int, cache: Path | None, *, fresh: bool, quiet: bool
+    target: Target,
+    asked: Sequence[ClauseId] | None,
+    order: int,
+    limits: Limits,
+    jobs: int,
+    cache: Path | None,
+    *,
+    fresh: bool,
+    quiet: bool,
 ) -> list[Effect]:
     store = store_in(cache)
-    with Progressing(planned(target), quiet=quiet) as progress:
+    with Progressing(planned(target, asked), quiet=quiet) as progress:
         breaking = Breaking(limits, jobs, progress, None if fresh else store, store)
         cores = breaking.cores(target)
-        singles = breaking.singles(target, cores)
+        singles = breaking.singles(target, cores, asked)
         return singles if order == 1 else [*singles, *breaking.pairs(target, cores, singles)]
 
 
-def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator[str]:
+def _lines(target: Target, effects: Sequence[Effect], sets: CutSets, *, of: str) -> Iterator[str]:
+    """Yield the table and the cut sets; `of`: the clauses that were asked, in words, if not all were."""
     numbers, declared = ids_of(target), laws(target.system)
     for one in effects:
         if len(one.broken) > 1 and one.end in _HARMLESS:
@@ -100,15 +130,16 @@ def _lines(target: Target, effects: Sequence[Effect], sets: CutSets) -> Iterator
     if pairs:
         kept = sum(one.end in _HARMLESS for one in pairs)
         yield f"{kept} of {len(pairs)} pairs of harmless clauses do no harm together either"
-    yield from _cut_set_lines(target, sets)
+    yield from _cut_set_lines(target, sets, of)
 
 
-def _cut_set_lines(target: Target, sets: CutSets) -> Iterator[str]:
+def _cut_set_lines(target: Target, sets: CutSets, of: str) -> Iterator[str]:
     if not sets.top:
         return
     numbers = ids_of(target)
     found = ["+".join(numbers[clause] for clause in one) for one in sets.found]
-    yield f"minimal cut sets of {sets.top!r}: {', '.join(found) or 'none'}"
+    among = f" among {of}" if of else ""
+    yield f"minimal cut sets of {sets.top!r}{among}: {', '.join(found) or 'none'}"
     if sets.undecided:
         open_ = ["+".join(numbers[clause] for clause in one) for one in sets.undecided]
         yield f"not decided: {', '.join(open_)}"

@@ -62,6 +62,30 @@ def test_faults_as_lines_data_model_and_picture(call: Call) -> None:
     assert "wrong" == data["effects"][0]["end"]
 
 
+def test_faults_of_named_clauses_alone(call: Call) -> None:
+    """By id or by name; the cut sets say of which clauses they speak."""
+    by_id = call("faults", "delocalized", "--clause", "delocalized/A1", "--cache", KEPT)
+    by_name = call("faults", "delocalized", "--clause", "a valid position holds the truth", "--cache", KEPT)
+    assert (0, 0) == (by_id.code, by_name.code)
+    assert by_id.out.count("    owner  ") == 1
+    assert by_name.out.count("    owner  ") == 1
+    assert "among these clauses: delocalized/A1\n" in by_id.out
+
+
+@pytest.mark.parametrize(
+    ("name", "asked", "message"),
+    [
+        ("delocalized", "delocalized/A77", "'delocalized/A77' is no clause of delocalized; its clauses are delocalized/A1."),
+        ("localizer", "localizer/balise/A1", "'localizer/balise/A1' is guaranteed by another machine, and not assumed of localizer"),
+    ],
+)  # fmt: skip
+def test_a_clause_that_is_not_assumed_is_refused(call: Call, name: str, asked: str, message: str) -> None:
+    """With those that are."""
+    wrong = call("faults", name, "--clause", asked)
+    assert 2 == wrong.code
+    assert message in " ".join(wrong.err.replace("│", " ").split())
+
+
 @pytest.mark.thorough
 def test_faults_of_a_machine_without_an_interval(call: Call) -> None:
     """The end effect is its hazard, and so is the top event of the cut sets."""

@@ -63,10 +63,10 @@ class Breaking:
             keep_in=self.keep_in,
         )
 
-    def singles(self, target: Target, cores: Sequence[Core]) -> list[Effect]:
-        """Return the effect of each clause of the world broken alone. `cores`: the proof cores of the target."""
-        clauses = assumed_clauses(target.system)
-        return self._effects(target, {(one,): _may_rest_on(target, cores, (one,)) for one in clauses})
+    def singles(self, target: Target, cores: Sequence[Core], clauses: Sequence[ClauseId] | None = None) -> list[Effect]:
+        """Return the effect of each clause of the world broken alone, or of each of these. `cores`: the proof cores of the target."""
+        wanted = [*assumed_clauses(target.system)] if clauses is None else clauses
+        return self._effects(target, {(one,): _may_rest_on(target, cores, (one,)) for one in wanted})
 
     def pairs(self, target: Target, cores: Sequence[Core], singles: Sequence[Effect]) -> list[Effect]:
         """Return the effect on interval and hazard of each pair of clauses that alone do no harm to them.
@@ -162,9 +162,9 @@ def _harmless(target: Target, pair: tuple[ClauseId, ...]) -> Effect:
     return Effect(pair, tuple(prop.name for prop in hazard_claims(target)), end=_end_without_answer(target, ()))
 
 
-def planned(target: Target) -> int:
-    """Return the number of results of cores and single breaches of a target."""
-    return len(claims_of(target)) + len(assumed_clauses(target.system))
+def planned(target: Target, clauses: Sequence[ClauseId] | None = None) -> int:
+    """Return the number of results of cores and single breaches of a target, or of breaches of these clauses."""
+    return len(claims_of(target)) + len(assumed_clauses(target.system) if clauses is None else clauses)
 
 
 def _may_rest_on(target: Target, cores: Sequence[Core], broken: Sequence[ClauseId]) -> frozenset[str]:
