@@ -21,7 +21,8 @@ from safeloc.models.satellite import variables as satellites
 from safeloc.models.transmission import Transmission
 from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
 from safeloc.properties.hearing import INTERVAL, hears_interval, hears_value
-from safeloc.properties.reflector_words import in_words, says_why
+from safeloc.properties.reason_words import in_words
+from safeloc.properties.reflector_words import says_why
 
 _WHY_NO_SATELLITES: Mapping[Lit, Lit] = {
     satellites.NO_REFERENCE: NO_REFERENCE,

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from safeloc.language.expr import Bool, Lit, Num, all_of
+from safeloc.language.expr import Bool, Lit, Num
 from safeloc.models.reflector import variables as reflecting
 from safeloc.models.vocabulary.reasons import CONTRADICTION, NO_REFERENCE, SENSOR_FAILURE, TOLERANCE
+from safeloc.properties.reason_words import in_words
 
 _WORDS: Mapping[Lit, Lit] = {
     reflecting.NO_ERROR: NO_REFERENCE,
@@ -16,11 +17,6 @@ _WORDS: Mapping[Lit, Lit] = {
     reflecting.NO_SELF_TEST: SENSOR_FAILURE,
 }
 """Every other one is a contradiction."""
-
-
-def in_words(reason: Num, own: Num, words: Mapping[Lit, Lit]) -> Bool:
-    """Return whether `reason` says in the vehicle's words what `own` says in those of a machine."""
-    return all_of(own.eq(theirs).implies(reason.eq(ours)) for theirs, ours in words.items())
 
 
 def says_why(reason: Num, error: Num) -> Bool:

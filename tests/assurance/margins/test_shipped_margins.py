@@ -21,6 +21,7 @@ from safeloc.errors import InputError
 from safeloc.models.transmission import TransmissionConfig
 from safeloc.proof.cache.store import Store
 from safeloc.target import MODELS, Target
+from tests.margins import main as writing
 
 SHIPPED = {path.name.removesuffix(f".{KIND}"): path for path in sorted(MODELS.rglob(f"*.{KIND}"))}
 DAY = "2026-11-27"
@@ -112,6 +113,23 @@ def test_what_is_found_since_comes_before_what_ships(
     assert margins_of(store, [transmission])["transmission"] == {"world": limits(transmission)[:1], "pairs": []}
     changed = replace(transmission, properties=transmission.properties[1:])
     assert margins_of(store, [changed]) == {"transmission": {"other_version": DAY}}
+
+
+def test_what_was_not_asked_again_stays_in_the_file(
+    transmission: Target, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`python -m tests.margins` after `safeloc margins` without --pairs: the fronts that shipped are written again."""
+    path, store = written(transmission, tmp_path), Store(tmp_path / "cache")
+    monkeypatch.setattr("safeloc.assurance.margins.shipped_margins.shipped_file", lambda *_: path)
+    monkeypatch.setattr("safeloc.assurance.margins.shipped_margins.place_of", lambda *_: path)
+    with pytest.raises(SystemExit):
+        writing(["--cache", str(store.folder), "transmission"])
+    assert "nothing is kept of transmission" in capsys.readouterr().err
+    keep_margins(store, transmission, "world", limits(transmission)[:1])
+    writing(["--cache", str(store.folder), "transmission"])
+    found = shipped_margins(transmission, path)
+    assert found is not None
+    assert found.parts == {"world": limits(transmission)[:1], "pairs": [FRONT]}
 
 
 @pytest.mark.parametrize("name", SHIPPED)
