@@ -22,7 +22,7 @@ Inputs of a cycle, by name; all others are wired:
     entry.enters_low, enters_high  number of the train that comes in there, in the cycle of its first axle; 0: none
     entry.leaves_low, leaves_high  the running part of a train has passed out there
     entry.train_k_all_left  (k from 2)   all of that train has left, as its own composition counts
-    entry.train_k_axles_of_others (k from 2)  axles came in beside that train that are not its own, as its own composition tells
+    entry.train_k_axles_of_others (k from 2)  axles came in beside that train that are not its own, as its own composition tells in the same cycle
     entry.reference_comes          sender of the record that comes for this train in this cycle: NOBODY, AXLE_COUNTER or NEIGHBOUR
     entry.record_sound, entry.record_axles  that record: undisturbed, and its axles
     train_order.patterns, pattern_n_low_mm, pattern_n_high_mm  number and ends of the fibre's patterns in the area, from the low end
@@ -368,13 +368,16 @@ def _holds_this_train(order: TrainOrder, rank: int) -> Bool:
 
 
 def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSection) -> dict[Var, Expr]:
-    """Return the wires of the area: counters, events of all trains, the report of slot 1, and that train's true ends."""
+    """Return the wires of the area: counters, events of all trains, the report of slot 1, and that train's true ends.
+
+    A train that came in is there for the area as for the entry: also while its first wheel stands on a head, and none of its axles is counted.
+    """
     slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
     assert isinstance(area.own.axle_between, BoolVar)
     return {
         area.own.healthy: _counted(axle_section, entry),
         area.own.clear: axle_section.machine.flag("clear"),
-        area.own.axle_between: axle_section.own.axles > 0,
+        area.own.axle_between: (axle_section.own.axles > 0) | (entry.own.there & ~axle_section.machine.flag("clear")),
         **{one.event: event for one, event in zip(area.own.slots, entry.own.events, strict=True)},
         slot.next_all_out: entry.own.true_axles_inside.eq(0),
         slot.rear.present: reported,

@@ -235,9 +235,15 @@ class Parts:
 
     @cached_property
     def of_nobody(self) -> Bool:
-        """Axles are counted in, and no train is known in the area, or comes into an area of which the order is known."""
+        """Axles are counted in of no train that is known: none is in the area, and none comes in; or none where an axle does.
+
+        A train that comes in while the order is not known is none that is known.
+        """
         nobody_comes = all_of(came.eq(0) for came in self.enters) | ~self.counters_count
-        return all_of([self.occupied, nobody_comes, *(last.eq(0) for last in self.outermost)])
+        ends = zip(self.enters, self.outermost, self.axles_in, strict=True)
+        at_an_end = any_of((axles > 0) & came.eq(0) & last.eq(0) for came, last, axles in ends)
+        nobody_there = all_of(last.eq(0) for last in self.outermost)
+        return (self.occupied & nobody_comes & nobody_there) | (~self.clear & at_an_end)
 
     @cached_property
     def someone_unannounced(self) -> Bool:

@@ -196,15 +196,19 @@ def _clauses(own: Parts, seen: _Cycle) -> dict[str, Law]:
 
 def _outermost_law(own: Parts, seen: _Cycle) -> Law:
     terms = list[Bool]()
-    ends = zip(seen.is_outermost, own.own_passes, own.others_pass, own.passed_in, own.passed_out, strict=True)
-    for here, its, others, came, went in ends:
+    ends = zip(
+        seen.is_outermost, own.enters, own.outermost, own.own_passes, own.others_pass, own.passed_in, own.passed_out,
+        strict=True,
+    )  # fmt: skip
+    for here, comes, last, its, others, came, went in ends:
+        of_nobody = comes.eq(0) & last.eq(0) & (came > 0)
         terms.append(here.implies((its + others).eq(came - went) & (others <= came)))
-        terms.append((~here).implies(its.eq(0) & others.eq(0)))
+        terms.append((~here).implies(its.eq(0) & others.eq(ite(of_nobody, came - went, as_num(0, COUNT)))))
     return Law(
         seen.speaks.implies(all_of(terms)),
         "While the order of trains is known and names one, or one comes in, the axles that pass at an end are those of the train that comes "
-        "in there, or else of the outermost one, with parts that it lost, or of vehicles beside it that nobody announced; no other one of its axles comes or goes. A train that "
-        "comes in is announced in the cycle of its first axle, or nobody announces it.",
+        "in there, or else of the outermost one, with parts that it lost, or of vehicles beside it that nobody announced; no other one of its axles comes or goes. Where no train is known and "
+        "none comes in, they are of such a vehicle.",
         source="[D] one track: no vehicle passes another, and two trains are more than a cycle apart; [M] announcements by train control",
         owner="infrastructure",
         check="no switch between the counters; headway; axles counted in while no train is announced",
@@ -225,8 +229,9 @@ def _beside_law(own: Parts, seen: _Cycle) -> Law:
             )
         ),
         "A vehicle that nobody announced comes in behind a train only when all axles of the train are in, and at the other end only while none of them is "
-        "out, unless the train's running part has been reported to have passed out; while it is behind, the train does not go out there.",
-        source="[D] one track: no vehicle passes another",
+        "out, unless the train's running part has been reported to have passed out; while it is behind, the train does not go out there. So a part that has passed out is reported "
+        "before anybody else comes in there, and no rolling stock of a train that is partly in the area is exchanged outside a counter.",
+        source="[D] one track: no vehicle passes another; [M] operating rules",
         owner="infrastructure",
-        check="no switch between the counters, and none between a counter and a standing train",
+        check="no switch between the counters, and none between a counter and a standing train; no shunting at a counter",
     )

@@ -44,8 +44,9 @@ _UNTRUSTED_ON_THE_WAY_BACK = replace(TURNED_BACK, counted_every=5, emitter_dead=
 """The emitter fails on the way back, when the low end has led for a count's run: from a counted cycle on nothing is told."""
 MISSED = Journey(cycles=90, front_missed=(1,), record=1, sender="NEIGHBOUR", tested=2)
 """The neighbouring area hands the train over before the emitter was tested; later the machine of the front does not notice a section."""
-UNANNOUNCED = Journey(cycles=60, area_mm=LONG, cuts_mm=((400_000, 800_000),), unannounced=(20, 20_000))
-"""A train that nobody announces follows 20 m behind. Its first axles are taken for those of the train before it, until that one's record comes."""
+UNANNOUNCED = Journey(cycles=60, area_mm=LONG, cuts_mm=((400_000, 800_000),), record=17, unannounced=(20, 60_000))
+"""A train that nobody announces follows 60 m behind, far enough for the counter to end the record before it comes. Its first axles are taken for those of the train before it,
+until that record has come, 2 s later."""
 NAMED: Mapping[str, Journey] = {
     "late-record": LATE_RECORD,
     "service": SERVICE,

@@ -54,9 +54,14 @@ class Counted:
 
     @cached_property
     def of_nobody(self) -> Bool:
-        """Axles are counted in, no train was known in the area, and none comes into an area of which the order was known."""
+        """Axles are counted in of no train that was known: none was, and none comes into an area of which the order was known; or none where an axle comes in."""
         nobody = all_of(last < 1 for last in self.was_outermost)
-        return self.counting & ~self.is_clear & nobody & ~(self.anyone_enters & self.was_ordered)
+        heads, comes = self.model.axle_section.own.into, self.model.entry.own.enters
+        at_an_end = any_of(
+            (self.heads.num(into) > 0) & (last < 1) & (self.entry.num(one) < 1)
+            for last, into, one in zip(self.was_outermost, heads, comes, strict=True)
+        )
+        return self.counting & ~self.is_clear & ((nobody & ~(self.anyone_enters & self.was_ordered)) | at_an_end)
 
     @cached_property
     def more(self) -> Bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from safeloc.language.expr import Bool, all_of, exact_to, ite
+from safeloc.language.expr import FALSE, Bool, all_of, any_of, exact_to, ite
 from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import UM
 from safeloc.models.fibre_area import FibreArea
@@ -32,9 +32,13 @@ def unannounced(model: FibreArea) -> Iterator[Property]:
     yield from _listed(seen)
     yield from _its_axles(seen)
     yield from _noticed(seen)
+    yield from _told(seen)
+    yield _there(seen)
+    yield _hears_the_heads(seen)
     yield from _reaches_back(seen)
     yield from _others(seen)
-    yield from (_not_clear(seen, one) for one in model.sections)
+    for one in model.sections:
+        yield from _not_clear(seen, one)
 
 
 def _listed(seen: Counted) -> Iterator[Property]:
@@ -81,6 +85,43 @@ def _its_axles(seen: Counted) -> Iterator[Property]:
         & seen.is_listed.implies(seen.entry.num(own.inside) <= seen.entry.num(own.come_in)),
         statement="while the order of trains is known and has this train, no more axles came in where it did than its first sound reference has, and at the "
         "other end no more than had gone out there",
+    )
+
+
+def _told(seen: Counted) -> Iterator[Property]:
+    """Claim that a disturbance for such axles is told as one."""
+    own = seen.model.entry.own
+    others = any_of(seen.entry.bool(one) for one in own.beside_trains) if own.beside_trains else FALSE
+    yield for_all_inputs(
+        "a disturbance by axles says whose they are not",
+        (seen.counting & ~seen.believed).implies(any_of([seen.of_nobody, seen.more, others])),
+        statement="axles disturb the counters only where no train is known to which they could belong, where they came in beside this train, or where another train's "
+        "composition tells so",
+        requirements=_COUNTER,
+    )
+
+
+def _there(seen: Counted) -> Property:
+    """Claim that the claims on sections speak of every train that is counted."""
+    return under_assumption(
+        "a train that is counted is there for the area",
+        _kept(seen),
+        statement="while each axle of the train was counted since it was announced, what is said of trains in the area is said of this one, also before its first axle is counted",
+    )
+
+
+def _hears_the_heads(seen: Counted) -> Property:
+    """Claim the wires of all axles, counted and true: with both ends exchanged the laws would exclude the true runs."""
+    own, heads = seen.model.entry.own, seen.model.axle_section.own
+    pairs = [
+        *zip(own.axles_in, heads.into, strict=True), *zip(own.axles_out, heads.out, strict=True),
+        *zip(own.passed_in, heads.true_into, strict=True), *zip(own.passed_out, heads.true_out, strict=True),
+    ]  # fmt: skip
+    return for_all_inputs(
+        "the entry hears the axles of each head",
+        all_of(seen.entry.num(mine).eq(seen.heads.num(theirs)) for mine, theirs in pairs),
+        statement="the axles that the entry takes for those of one end, counted and true, are those of the head at that end",
+        requirements=_COUNTER,
     )
 
 
@@ -143,8 +184,8 @@ def _others(seen: Counted) -> Iterator[Property]:
         )
 
 
-def _not_clear(seen: Counted, one: Section) -> Property:
-    """Claim that the section is not free over such a vehicle, from its first axle on; once it is noticed it is a vehicle that was not counted."""
+def _not_clear(seen: Counted, one: Section) -> Iterator[Property]:
+    """Claim that the section is not free over such a vehicle: until it is noticed, and from then on."""
     model, own, slot = seen.model, seen.model.entry.own, seen.model.area.own.slots[0]
     of, name = model.composition.of(one.machine), one.machine.name
     free = of.bool(one.machine.flag("clear"))
@@ -153,11 +194,26 @@ def _not_clear(seen: Counted, one: Section) -> Property:
         seen.area.num(exact_to(place, UM)) for place in (model.area.own.low_end, model.area.own.high_end)
     )
     rear, front = seen.area.num(slot.true_rear), seen.area.num(slot.true_front)
-    follows: Bool = seen.believed & (seen.entry.num(own.behind) > 0) & seen.area.bool(slot.there)
+    behind, ahead = (seen.entry.num(one) > 0 for one in (own.behind, own.ahead))
     below, above = (start <= rear) & (end >= low_end), (end >= front) & (start <= high_end)
-    return under_assumption(
+    exact = all_of([_exact(seen), _verified_is_known(seen), _reaches(seen), _kept(seen)])
+    yield under_assumption(
         f"{name} is never clear with an unannounced vehicle behind the train",
-        all_of([_exact(seen), _verified_is_known(seen), _reaches(seen)])
-        & (follows & free).implies(~ite(seen.entry.bool(own.true_from_high), above, below)),
-        statement="until a vehicle that nobody announced is noticed, it is between the end at which the train came in and the train: no section there is FREE",
+        exact & (seen.believed & behind & free).implies(~ite(seen.entry.bool(own.true_from_high), above, below)),
+        statement="until a vehicle that nobody announced is noticed, no section between the end at which the train came in and the train is FREE: there it is, since it does not pass the train",
     )
+    yield for_all_inputs(
+        f"{name} is not clear while axles disturb the counters",
+        (seen.counting & ~seen.believed).implies(~free),
+        statement="from the cycle on in which axles that no known train has disturb the counters, the section is not FREE until they report an empty area",
+    )
+    yield under_assumption(
+        f"{name} is not clear with an unannounced vehicle that must be noticed",
+        _exact(seen) & ((behind & seen.entry.bool(own.known)) | ahead).implies(~free),
+        statement="a vehicle that nobody announced leaves no section FREE if it came in at the other end than the train, or behind a train of which the axles are known",
+    )
+
+
+def _kept(seen: Counted) -> Bool:
+    own, slot = seen.model.entry.own, seen.model.area.own.slots[0]
+    return seen.entry.bool(own.sure).implies(seen.area.bool(slot.there))

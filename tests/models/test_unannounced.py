@@ -9,9 +9,9 @@ from functools import cache
 import pytest
 
 from safeloc.language.expr import FALSE, all_of, any_of
-from safeloc.language.interpret import run
+from safeloc.language.interpret import run, start, taken
 from safeloc.language.monitor import check_all
-from safeloc.language.system import lower, without_ghosts
+from safeloc.language.system import environment, lower, without_ghosts
 from safeloc.language.trace import Step, Trace
 from safeloc.language.verdict import Violated
 from safeloc.models.fibre_area import FibreArea, compose_machines
@@ -77,10 +77,10 @@ def test_a_follower_is_noticed_when_the_record_comes() -> None:
     trace = travelled(UNANNOUNCED, whole())
     noticed = [bool(step.outputs["entry.unannounced"]) for step in trace.steps[SWEPT:]]
     first = next(cycle for cycle, step in enumerate(trace.steps[SWEPT:]) if others(step) > 0)
-    assert (first, noticed.index(True)) == (11, UNANNOUNCED.record)
-    assert all(noticed[14:])
-    assert {*modes(trace, "section_1")[14:]} == {"UNKNOWN"}
-    assert {*modes(trace, "verification")[14:]} == {"WITHHELD"}
+    assert (first, noticed.index(True)) == (13, UNANNOUNCED.record)
+    assert all(noticed[17:])
+    assert {*modes(trace, "section_1")[17:]} == {"UNKNOWN"}
+    assert {*modes(trace, "verification")[17:]} == {"WITHHELD"}
     assert violated(trace, whole()) == set()
 
 
@@ -105,6 +105,44 @@ def test_axles_that_are_taken_for_the_trains_free_what_the_follower_is_in(monkey
     over = [modes(trace, "section_1")[cycle] for cycle, step in enumerate(trace.steps[SWEPT:]) if others(step) > 0]
     assert "FREE" in over
     assert {SOON, NEVER} <= violated(trace, model)
+
+
+def test_a_vehicle_at_the_other_end_in_the_cycle_of_the_entry_is_noticed_in_it() -> None:
+    """Two axles, all of them in that cycle, where no train is known and none comes in: a section over them was free for a minute before."""
+    journey = replace(UNANNOUNCED, unannounced=None, record=14, cuts_mm=((2_600_000, 3_000_000),))
+    comes: dict[str, Cell] = {
+        "axle_section.axles_in_high": 2, "axle_section.true_axles_in_high": 2, "entry.other_axles_high": 2,
+    }  # fmt: skip
+    steps = simulate_journey(CONFIG, seed=1, journey=journey)
+    for number, one in enumerate(steps):
+        del one[REMARK]
+        one.update(comes if number == SWEPT else {}, **({"area.next_loose_there": True} if number >= SWEPT else {}))
+        stands: dict[str, Cell] = {"area.next_loose_rear_um": 2_900_000_000, "area.next_loose_front_um": 2_910_000_000}
+        one.update(stands if number >= SWEPT else {})
+    trace = run(whole().composition.system, steps, first=first_state(CONFIG, journey))
+    assert all(step.outputs["entry.unannounced"] for step in trace.steps[SWEPT:])
+    assert {*modes(trace, "section_1")} == {"UNKNOWN"}
+    system = whole().composition.system
+    obeyed = [*taken(system, start(system, first_state(CONFIG, journey)), steps, while_=environment(system))]
+    assert len(obeyed) > SWEPT
+    assert violated(trace, whole()) == set()
+
+
+def test_a_train_that_is_announced_early_is_there() -> None:
+    """Its first wheel stands on the head for two cycles before it is counted: what is claimed of trains in sections is claimed of it."""
+    journey = replace(UNANNOUNCED, unannounced=None, record=17, enters=3)
+    steps = simulate_journey(CONFIG, seed=1, journey=journey)
+    for one in steps:
+        del one[REMARK]
+    announced = SWEPT + journey.enters
+    steps[announced - 2 : announced] = [
+        {**one, "axle_section.head_damped": True, "entry.enters_low": int(number == 0)}
+        for number, one in enumerate(steps[announced - 2 : announced])
+    ]
+    steps[announced]["entry.enters_low"] = 0
+    trace = run(whole().composition.system, steps, first=first_state(CONFIG, journey))
+    assert all(step.state["area.train_1_there"] for step in trace.steps[announced:])
+    assert "TRUSTED" in modes(trace, "verification")
 
 
 # ------------------------------------------------------------------ the entry by itself
@@ -146,12 +184,15 @@ TOLD: dict[str, Cell] = {"reference_comes": "AXLE_COUNTER"}
         ([COMES, TOLD, {"train_2_axles_of_others": True}], [False, False, True]),
         ([COMES, {**TOLD, "outermost_low": 2, "axles_in_low": 5}], [False, False]),
         ([{**COMES, "counters_count": False}], [True]),
+        ([{**COMES, "axles_in_high": 1}], [True]),
+        ([COMES, TOLD, {"axles_out_low": 30, "leaves_low": True}, {}, {"axles_in_low": 1}], [False, False, False, False, True]),
     ],
     ids=[
         "its own", "one more after the record", "one more before the record", "one more, a disturbed record",
         "a record without axles", "at the other end", "more than had gone out", "out and in again", "a part goes out",
         "a part comes back at the other end", "a part comes back where it came in", "more out than in", "a later record with fewer axles",
         "beside another train", "of another train", "while no order is known",
+        "at the other end as it comes in", "a part comes back later",
     ],
 )  # fmt: skip
 def test_whose_axles(cycles: list[dict[str, Cell]], unannounced: list[bool]) -> None:
@@ -191,6 +232,17 @@ WRONG: dict[str, tuple[str, Wrong, str]] = {
         SOON,
     ),
     "the record of the train before is compared": ("told_before", lambda one, _: one.known, SOON),
+    "nobody looks at the end at which nobody comes in": (
+        "of_nobody",
+        lambda one, _: all_of(
+            [
+                one.occupied,
+                all_of(came.eq(0) for came in one.enters) | ~one.counters_count,
+                *(last.eq(0) for last in one.outermost),
+            ]
+        ),
+        AT_ONCE,
+    ),
     "it comes into an area without an order": (
         "of_nobody",
         lambda one, _: all_of([one.occupied, *(came.eq(0) for came in one.enters), *(last.eq(0) for last in one.outermost)]),

@@ -284,6 +284,21 @@ def _ends_exchanged(of: Wired) -> Wires:
     return {of.to(low): of.right(high), of.to(high): of.right(low)}
 
 
+def _heads_exchanged(of: Wired) -> Wires:
+    """The entry takes the axles of one end for those of the other, counted and true: then its laws speak of no real run."""
+    names = [
+        f"entry.{true}axles_{way}_{end}" for true in ("", "true_") for way in ("in", "out") for end in ("low", "high")
+    ]
+    other = {"low": "high", "high": "low"}
+    return {of.to(name): of.right(f"{name.rpartition('_')[0]}_{other[name.rpartition('_')[2]]}") for name in names}
+
+
+def _axles_alone(of: Wired) -> Wires:
+    """A train whose first wheel stands on a head is in no claim of the area."""
+    axles = of.right("entry.axle_between")
+    return {of.to("area.axle_between"): axles}
+
+
 def _earlier_record_kept(of: Wired) -> Wires:
     """A train that comes in is verified against the record of the one before."""
     return {of.to("verification.train_leaves"): of.of("entry.left")}
@@ -493,6 +508,8 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_area", _gone_only_if_reported, "the order hears that clear counters let the train go"),
     ("fibre_area", cut("verification.record_axles"), "the record that is verified is the one that tells the axles"),
     ("fibre_area", cut("verification.record_sound"), "the record that is verified is the one that tells the axles"),
+    ("fibre_area", _heads_exchanged, "the entry hears the axles of each head"),
+    ("fibre_area", _axles_alone, "a train that is counted is there for the area"),
     ("fibre_area", cut("entry.counters_occupied"), "disturbed counters leave the area unswept"),
     ("fibre_area", cut("area.axle_between"), "axles between the counters keep the train there"),
     (
