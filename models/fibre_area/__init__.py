@@ -370,14 +370,15 @@ def _holds_this_train(order: TrainOrder, rank: int) -> Bool:
 def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSection) -> dict[Var, Expr]:
     """Return the wires of the area: counters, events of all trains, the report of slot 1, and that train's true ends.
 
-    A train that came in is there for the area as for the entry: also while its first wheel stands on a head, and none of its axles is counted.
+    While the counters count, a train that came in is there for the area as for the entry: also while its first wheel stands on a head, and none of
+    its axles is counted.
     """
     slot, own, reported = area.own.slots[0], report.own, report.machine.flag("reported")
     assert isinstance(area.own.axle_between, BoolVar)
     return {
         area.own.healthy: _counted(axle_section, entry),
         area.own.clear: axle_section.machine.flag("clear"),
-        area.own.axle_between: (axle_section.own.axles > 0) | (entry.own.there & ~axle_section.machine.flag("clear")),
+        area.own.axle_between: (axle_section.own.axles > 0) | _came_in(entry, axle_section),
         **{one.event: event for one, event in zip(area.own.slots, entry.own.events, strict=True)},
         slot.next_all_out: entry.own.true_axles_inside.eq(0),
         slot.rear.present: reported,
@@ -391,6 +392,11 @@ def _area_wires(area: Area, report: Report, entry: Entry, axle_section: AxleSect
         slot.next_rear: own.next_rear,
         slot.next_front: own.next_front,
     }
+
+
+def _came_in(entry: Entry, axle_section: AxleSection) -> Bool:
+    counting = axle_section.machine.flag("healthy") & ~axle_section.machine.flag("clear")
+    return entry.own.there & counting
 
 
 def _if(usable: Bool, term: Num) -> Num:

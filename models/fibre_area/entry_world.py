@@ -201,14 +201,14 @@ def _outermost_law(own: Parts, seen: _Cycle) -> Law:
         strict=True,
     )  # fmt: skip
     for here, comes, last, its, others, came, went in ends:
-        of_nobody = comes.eq(0) & last.eq(0) & (came > 0)
+        of_nobody = all_of([comes.eq(0), last.eq(0), came > 0, seen.is_there])
         terms.append(here.implies((its + others).eq(came - went) & (others <= came)))
         terms.append((~here).implies(its.eq(0) & others.eq(ite(of_nobody, came - went, as_num(0, COUNT)))))
     return Law(
         seen.speaks.implies(all_of(terms)),
         "While the order of trains is known and names one, or one comes in, the axles that pass at an end are those of the train that comes "
-        "in there, or else of the outermost one, with parts that it lost, or of vehicles beside it that nobody announced; no other one of its axles comes or goes. Where no train is known and "
-        "none comes in, they are of such a vehicle.",
+        "in there, or else of the outermost one, with parts that it lost, or of vehicles beside it that nobody announced; no other one of its axles comes or goes. Axles that come in where no train is "
+        "known and none comes in, while this train is in the area or comes in at the other end, are of such a vehicle.",
         source="[D] one track: no vehicle passes another, and two trains are more than a cycle apart; [M] announcements by train control",
         owner="infrastructure",
         check="no switch between the counters; headway; axles counted in while no train is announced",

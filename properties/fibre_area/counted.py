@@ -38,7 +38,7 @@ def counted(model: FibreArea) -> Iterator[Property]:
     yield _order_hears(seen)
     yield from _in_order(seen)
     yield from _area(seen)
-    yield _there(seen)
+    yield from _there(seen)
     yield from _ghosts(seen)
     yield _axle_between(seen)
     yield _hears_clear(seen)
@@ -114,6 +114,12 @@ def _left(seen: Counted) -> Iterator[Property]:
         (unsure & ~seen.is_clear).implies(~sure & ~seen.all_left),
         statement="from a cycle on in which a counter was disturbed, or the order of trains was not known, a train does not leave until "
         "another one enters in its place, or the counters report an empty area: its balance of axles is no longer sure",
+        requirements=(*_STAY, *_CLEAR),
+    )
+    yield for_all_inputs(
+        "a train leaves by a reported exit or by an empty area",
+        seen.all_left.implies(_passes_out(seen) | seen.is_clear),
+        statement="a train has left only in a cycle in which its exit is reported where it is the outermost, or in which the counters report an empty area",
         requirements=(*_STAY, *_CLEAR),
     )
     yield for_all_inputs(
@@ -333,15 +339,21 @@ def _area(seen: Counted) -> Iterator[Property]:
     )
 
 
-def _there(seen: Counted) -> Property:
-    slot = seen.model.area.own.slots[0]
-    there = seen.area.bool(slot.there)
-    axles = seen.heads.num(seen.model.axle_section.own.axles)
-    leaves = seen.area.bool(slot.leaves)
-    return for_all_inputs(
+def _there(seen: Counted) -> Iterator[Property]:
+    slot, entry = seen.model.area.own.slots[0], seen.model.entry.own
+    there, leaves = seen.area.bool(slot.there), seen.area.bool(slot.leaves)
+    axles = seen.heads.num(seen.model.axle_section.own.axles) > 0
+    yield for_all_inputs(
         "axles between the counters keep the train there",
-        (earlier_bool(there) & ~leaves & (axles > 0)).implies(there),
+        (earlier_bool(there) & ~leaves & axles).implies(there),
         statement="in the world of these claims, a train is in the area for as long as an axle is between the counters and it is not counted out",
+        requirements=_CLEAR,
+    )
+    counted_in = seen.entry.bool(entry.there) & seen.counting & ~seen.is_clear
+    yield for_all_inputs(
+        "nothing but axles or a count keeps a train there",
+        there.implies(any_of([axles, counted_in, seen.area.bool(slot.enters)])),
+        statement="in the world of these claims, a train is in the area no longer than an axle is between the counters, or the counters count and it came in and has not left",
         requirements=_CLEAR,
     )
 

@@ -17,8 +17,8 @@ from safeloc.models.sections import Section
 from safeloc.properties.fibre_area.counters import Counted
 
 LAW = (
-    "undisturbed counters count every axle; no vehicle passes another; a sound reference has no more axles than its train; a train that is announced is so in "
-    "the cycle of its first axle"
+    "undisturbed counters count every axle; no vehicle passes another; a sound reference has no more axles than its train; a train that is announced is so no "
+    "later than in the cycle of its first axle"
 )
 _CLEAR = ("FVA-9", "FVA-18")
 _COUNTER = ("FVA-4", "FVA-13")
@@ -186,31 +186,35 @@ def _others(seen: Counted) -> Iterator[Property]:
 
 def _not_clear(seen: Counted, one: Section) -> Iterator[Property]:
     """Claim that the section is not free over such a vehicle: until it is noticed, and from then on."""
-    model, own, slot = seen.model, seen.model.entry.own, seen.model.area.own.slots[0]
-    of, name = model.composition.of(one.machine), one.machine.name
+    of, name, own = seen.model.composition.of(one.machine), one.machine.name, seen.model.entry.own
     free = of.bool(one.machine.flag("clear"))
-    start, end = (of.num(exact_to(place, UM)) for place in (one.start, one.end))
-    low_end, high_end = (
-        seen.area.num(exact_to(place, UM)) for place in (model.area.own.low_end, model.area.own.high_end)
-    )
-    rear, front = seen.area.num(slot.true_rear), seen.area.num(slot.true_front)
-    behind, ahead = (seen.entry.num(one) > 0 for one in (own.behind, own.ahead))
-    below, above = (start <= rear) & (end >= low_end), (end >= front) & (start <= high_end)
-    exact = all_of([_exact(seen), _verified_is_known(seen), _reaches(seen), _kept(seen)])
-    yield under_assumption(
-        f"{name} is never clear with an unannounced vehicle behind the train",
-        exact & (seen.believed & behind & free).implies(~ite(seen.entry.bool(own.true_from_high), above, below)),
-        statement="until a vehicle that nobody announced is noticed, no section between the end at which the train came in and the train is FREE: there it is, since it does not pass the train",
-    )
+    yield _not_clear_yet(seen, one, free)
     yield for_all_inputs(
         f"{name} is not clear while axles disturb the counters",
         (seen.counting & ~seen.believed).implies(~free),
-        statement="from the cycle on in which axles that no known train has disturb the counters, the section is not FREE until they report an empty area",
+        statement="while axles that no known train has disturb the counters, the section is not FREE",
     )
+    behind, ahead = (seen.entry.num(axles) > 0 for axles in (own.behind, own.ahead))
     yield under_assumption(
         f"{name} is not clear with an unannounced vehicle that must be noticed",
         _exact(seen) & ((behind & seen.entry.bool(own.known)) | ahead).implies(~free),
         statement="a vehicle that nobody announced leaves no section FREE if it came in at the other end than the train, or behind a train of which the axles are known",
+    )
+
+
+def _not_clear_yet(seen: Counted, one: Section, free: Bool) -> Property:
+    model, own, slot = seen.model, seen.model.entry.own, seen.model.area.own.slots[0]
+    of, area = model.composition.of(one.machine), model.area.own
+    start, end = (of.num(exact_to(place, UM)) for place in (one.start, one.end))
+    low_end, high_end = (seen.area.num(exact_to(place, UM)) for place in (area.low_end, area.high_end))
+    rear, front = seen.area.num(slot.true_rear), seen.area.num(slot.true_front)
+    below, above = (start <= rear) & (end >= low_end), (end >= front) & (start <= high_end)
+    exact = all_of([_exact(seen), _verified_is_known(seen), _reaches(seen), _kept(seen)])
+    follows = all_of([seen.believed, seen.entry.num(own.behind) > 0, free])
+    return under_assumption(
+        f"{one.machine.name} is never clear with an unannounced vehicle behind the train",
+        exact & follows.implies(~ite(seen.entry.bool(own.true_from_high), above, below)),
+        statement="until a vehicle that nobody announced is noticed, no section between the end at which the train came in and the train is FREE: there it is, since it does not pass the train",
     )
 
 

@@ -14,12 +14,14 @@ from safeloc.language.monitor import check_all
 from safeloc.language.system import environment, lower, without_ghosts
 from safeloc.language.trace import Step, Trace
 from safeloc.language.verdict import Violated
+from safeloc.models.area import AreaConfig
 from safeloc.models.fibre_area import FibreArea, compose_machines
 from safeloc.models.fibre_area import entry as entry_model
 from safeloc.models.fibre_area.entry_variables import Parts
 from safeloc.models.fibre_area.recorded_runs import CONFIG, UNANNOUNCED
 from safeloc.models.fibre_area.simulate import REMARK, Journey, first_state, simulate_journey
 from safeloc.models.fibre_area.simulated_counters import sweep
+from safeloc.models.sections import SectionsConfig
 from safeloc.models.verification.variables import NOBODY
 from safeloc.properties.fibre_area import properties
 from safeloc.runtime.streams.steps import Cell
@@ -145,6 +147,20 @@ def test_a_train_that_is_announced_early_is_there() -> None:
     assert "TRUSTED" in modes(trace, "verification")
 
 
+def test_a_train_that_left_in_a_disturbance_is_gone_in_the_world() -> None:
+    """So that the laws allow the next one to come in before the counters are reset; its slot stays, since nobody counted it out."""
+    journey = replace(UNANNOUNCED, unannounced=None, record=14, cycles=190)
+    steps = simulate_journey(CONFIG, seed=1, journey=journey)
+    for number, one in enumerate(steps):
+        del one[REMARK]
+        one["axle_section.head_fault"] = number == SWEPT + 76
+    trace = run(whole().composition.system, steps, first=first_state(CONFIG, journey))
+    there = [bool(step.state["area.train_1_there"]) for step in trace.steps[SWEPT:]]
+    axles = [int(step.state["axle_section.true_axles"]) for step in trace.steps[SWEPT:]]
+    assert there == [number > 0 for number in axles]
+    assert all(step.outputs["area.train_1_in_area"] for step in trace.steps[SWEPT:])
+
+
 # ------------------------------------------------------------------ the entry by itself
 
 
@@ -263,6 +279,31 @@ def test_a_wrong_entry_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) ->
     model = compose_machines(CONFIG)
     (prop,) = [one for one in properties(model) if one.name == claim]
     assert not inductive_in(model.composition.system, prop)
+
+
+@pytest.mark.thorough(ordinary=1)
+def test_a_vehicle_at_the_other_end_than_another_train_is_noticed_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With two trains: an entry that looks only while its own train comes in loses the claim on counters that are believed."""
+    config = CONFIG.model_copy(
+        update={
+            "sections": SectionsConfig(area=AreaConfig(trains=2, period_ms=500), following=CONFIG.sections.following)
+        }
+    )
+    claim = "disturbed counters leave the area unswept"
+
+    def keeps() -> bool:
+        model = compose_machines(config)
+        (prop,) = [one for one in properties(model) if one.name == claim]
+        return inductive_in(model.composition.system, prop)
+
+    assert keeps()
+    edited(
+        monkeypatch,
+        Parts,
+        "of_nobody",
+        lambda one, right: right & (one.enters_now | all_of(came.eq(0) for came in one.enters)),
+    )
+    assert not keeps()
 
 
 def test_the_laws_allow_a_follower() -> None:

@@ -510,6 +510,7 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("fibre_area", cut("verification.record_sound"), "the record that is verified is the one that tells the axles"),
     ("fibre_area", _heads_exchanged, "the entry hears the axles of each head"),
     ("fibre_area", _axles_alone, "a train that is counted is there for the area"),
+    ("fibre_area", assumed("area.axle_between"), "nothing but axles or a count keeps a train there"),
     ("fibre_area", cut("entry.counters_occupied"), "disturbed counters leave the area unswept"),
     ("fibre_area", cut("area.axle_between"), "axles between the counters keep the train there"),
     (
