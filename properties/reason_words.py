@@ -1,4 +1,4 @@
-"""Reasons of a machine, told in the words of the vehicle."""
+"""Reasons of a machine in the words of the vehicle."""
 
 from __future__ import annotations
 

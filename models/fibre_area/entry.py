@@ -101,14 +101,14 @@ def _balance_lemmas(own: Parts) -> dict[str, Bool]:
 
 def _table(own: Parts, table: tuple[Lit, ...]) -> Iterator[Transition]:
     outside, awaited, referenced, missing = table
-    none, told = as_num(0, COUNT), own.told_before | own.told_now
+    none, known = as_num(0, COUNT), own.was_known | own.reference_comes_now
     stays: Updates = {
         own.inside: ite(own.counted, own.balance, none),
         own.come_in: ite(own.counted, own.come_in_now, none),
         own.from_high: own.is_from_high,
         own.sure: own.counted,
-        own.known: told,
-        own.own_axles: ite(told, own.most, none),
+        own.known: known,
+        own.own_axles: ite(known, own.most, none),
         own.in_part: ~own.enters_now & (own.in_part | own.leaving),
         own.of_others: own.has_more,
         own.unannounced: own.someone_unannounced,

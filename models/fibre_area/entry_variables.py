@@ -56,13 +56,13 @@ class Parts:
     unannounced    axles are counted in, of no train that is known or comes in
     true_axles_inside   ghost: this train's axles in the area, with every part that it lost
     passed_in, passed_out  ghosts: axles that really pass at this end in this cycle
-    axle_between  ghost: after the cycle an axle is between the counters
+    axle_between  ghost: after the cycle an axle is between the counters, of any train
 
     Ghosts of a train that is there, and of vehicles that nobody announced:
 
     true_axles, true_come_in, true_from_high  its axles; those that came in where it did, and not out again there; that is the high end
     there      it came in, and not all of it has left
-    part_out   its running part passed out, and axles of it or of others stayed
+    part_out   its running part was reported to have passed out, and axles of it or of others stayed
     behind, ahead  axles of others that came in where this train did, and at the other end
     axles_of_one_that_enters  what its axles are if it comes in
     own_passes, others_pass  axles of the train, and of others, that come in at this end in this cycle, less those that go out
@@ -197,19 +197,19 @@ class Parts:
     # -------------------------------------------------------------- axles that are not its own
 
     @cached_property
-    def told_before(self) -> Bool:
+    def was_known(self) -> Bool:
         """A sound reference of this train came in an earlier cycle."""
         return self.known & ~self.enters_now
 
     @cached_property
-    def told_now(self) -> Bool:
+    def reference_comes_now(self) -> Bool:
         """A sound reference with axles comes in this cycle."""
         return self.comes.ne(NOBODY) & self.record_sound & (self.record_axles > 0)
 
     @cached_property
     def most(self) -> Num:
         """Axles of the train by its first reference, if there is one."""
-        return ite(self.told_before, self.own_axles, self.record_axles)
+        return ite(self.was_known, self.own_axles, self.record_axles)
 
     @cached_property
     def has_more(self) -> Bool:
@@ -220,7 +220,7 @@ class Parts:
         """
         came_in = any_of(one > 0 for one in self.of_this(self.axles_in))
         reasons = [
-            (self.told_before | self.told_now) & (self.come_in_now > self.most),
+            (self.was_known | self.reference_comes_now) & (self.come_in_now > self.most),
             self.balance > self.come_in_now,
             self.in_part & ~self.enters_now & came_in,
             ~self.possible,

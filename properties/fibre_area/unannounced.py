@@ -1,7 +1,7 @@
 """Claims on vehicles that nobody announced, beside a train that is known (FVA-9).
 
 The counters cannot tell whose axles pass. A vehicle that comes in behind a train, or at the other end, is taken for that train until more axles came in than
-can be the train's own. Until its reference came nobody knows how many these are, and then the train is known to be anywhere behind its front.
+can be the train's own. Until its reference comes nobody knows how many these are, and until then the train's interval reaches from its front to beyond the end at which it came in.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def unannounced(model: FibreArea) -> Iterator[Property]:
     yield from _listed(seen)
     yield from _its_axles(seen)
     yield from _noticed(seen)
-    yield from _told(seen)
+    yield from _says_whose(seen)
     yield _there(seen)
     yield _hears_the_heads(seen)
     yield from _reaches_back(seen)
@@ -88,8 +88,8 @@ def _its_axles(seen: Counted) -> Iterator[Property]:
     )
 
 
-def _told(seen: Counted) -> Iterator[Property]:
-    """Claim that a disturbance for such axles is told as one."""
+def _says_whose(seen: Counted) -> Iterator[Property]:
+    """Claim the only reasons for which axles disturb the counters."""
     own = seen.model.entry.own
     others = any_of(seen.entry.bool(one) for one in own.beside_trains) if own.beside_trains else FALSE
     yield for_all_inputs(
@@ -105,9 +105,14 @@ def _there(seen: Counted) -> Property:
     """Claim that the claims on sections speak of every train that is counted."""
     return under_assumption(
         "a train that is counted is there for the area",
-        _kept(seen),
-        statement="while each axle of the train was counted since it was announced, what is said of trains in the area is said of this one, also before its first axle is counted",
+        _there_if_counted(seen),
+        statement="while each axle of the train was counted since it was announced, the claims on trains in the area speak of this one, also before its first axle is counted",
     )
+
+
+def _there_if_counted(seen: Counted) -> Bool:
+    own, slot = seen.model.entry.own, seen.model.area.own.slots[0]
+    return seen.entry.bool(own.sure).implies(seen.area.bool(slot.there))
 
 
 def _hears_the_heads(seen: Counted) -> Property:
@@ -209,15 +214,10 @@ def _not_clear_yet(seen: Counted, one: Section, free: Bool) -> Property:
     low_end, high_end = (seen.area.num(exact_to(place, UM)) for place in (area.low_end, area.high_end))
     rear, front = seen.area.num(slot.true_rear), seen.area.num(slot.true_front)
     below, above = (start <= rear) & (end >= low_end), (end >= front) & (start <= high_end)
-    exact = all_of([_exact(seen), _verified_is_known(seen), _reaches(seen), _kept(seen)])
+    exact = all_of([_exact(seen), _verified_is_known(seen), _reaches(seen), _there_if_counted(seen)])
     follows = all_of([seen.believed, seen.entry.num(own.behind) > 0, free])
     return under_assumption(
         f"{one.machine.name} is never clear with an unannounced vehicle behind the train",
         exact & follows.implies(~ite(seen.entry.bool(own.true_from_high), above, below)),
         statement="until a vehicle that nobody announced is noticed, no section between the end at which the train came in and the train is FREE: there it is, since it does not pass the train",
     )
-
-
-def _kept(seen: Counted) -> Bool:
-    own, slot = seen.model.entry.own, seen.model.area.own.slots[0]
-    return seen.entry.bool(own.sure).implies(seen.area.bool(slot.there))
