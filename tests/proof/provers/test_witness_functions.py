@@ -67,6 +67,16 @@ def test_an_input_is_solved_for(name: str) -> None:
         assert [wanted(s)] == evaluate([made[X]], {S: s, T: 0}), s
 
 
+def test_an_input_that_was_at_rest_stays_there_if_asked() -> None:
+    """Then the other one alone follows the state: fewer states are served, by a term that reads less."""
+    general = Generalisation((X + Y).eq(S + 4) & (Y >= S) & in_range([X, Y]), [X, Y])
+    resting, every = (
+        general.witness({S: 1, T: 0}, {X: 2, Y: 3}, eager=True, resting=resting) for resting in (True, False)
+    )
+    assert [evaluate([resting[X], resting[Y]], {S: s, T: 0}) for s in (1, 3, 9)] == [[2, 3], [4, 3], [10, 3]]
+    assert [evaluate([every[X], every[Y]], {S: s, T: 0}) for s in (1, 3, 9)] == [[2, 3], [4, 3], [4, 9]]
+
+
 def test_what_is_broken_by_a_rule_is_seen_by_the_cover() -> None:
     """If a witness function is not lawful in a state, another one is learned; if no inputs are, the result says so."""
     group = Group([X, Y, ON], X.eq(ite(S > T, S, T)) & in_range([X, Y]) & (ON | (S < 40)))
