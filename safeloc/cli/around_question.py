@@ -79,11 +79,12 @@ def laws(loaded: Target, names: Sequence[str]) -> list[ClauseId]:
 
 
 def general(loaded: Target, limits: Limits, store: Store) -> General:
-    """Return a function that proves a declared property of all lawful streams; None from it if that is not proved."""
+    """Return a function that proves declared properties of all lawful streams, and returns what it could prove."""
 
-    def proved(prop: Property) -> Mapping[str, str] | None:
-        found = prove_target(loaded, only=[prop.name], with_assumption=False, limits=limits, jobs=1, store=store)
-        [one] = [finding for finding in found if finding.kind == "property"]
-        return one.result.certificates if isinstance(one.result, Proved) else None
+    def proved(properties: Sequence[Property]) -> Mapping[Property, Mapping[str, str]]:
+        names = [prop.name for prop in properties]
+        found = prove_target(loaded, only=names, with_assumption=False, limits=limits, jobs=1, store=store)
+        of_name = {one.id.split("/", 2)[2]: one.result for one in found if one.kind == "property"}
+        return {prop: one.certificates for prop in properties if isinstance(one := of_name.get(prop.name), Proved)}
 
     return proved

@@ -6,31 +6,26 @@ have ranges. The ranges are those of the folded terms; those of terms that choos
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from safeloc.codegen.simplify_under_facts import Known, implied
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import EngineError
-from safeloc.language.expr import FALSE, Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of
-from safeloc.language.interpret import evaluate
+from safeloc.language.expr import Bool, Expr, Lit, Num, NumVar, Var, all_of, any_of
 from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.terms import in_order
 from safeloc.proof.around.course import CHOOSING, Course, Piece, within
-from safeloc.proof.provers.implication import Refuted, countermodel, unproved
+from safeloc.proof.around.narrowing import Narrowing
+from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.provers.linear import constant_of
+from safeloc.proof.provers.models import Models
 from safeloc.proof.provers.settle import settled
 
 _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
-_MOST_TRIES = 60
-_PRECISION = 20_000
-"""A range is narrowed to this share of its first width."""
-_VALUE_SECONDS = 2.0
-"""Seconds of effort to look for one value."""
 
 
 class UnsettledError(Exception):
@@ -76,17 +71,17 @@ class _Ending:
         if len(found) > _MOST_PIECES:
             return HandedOver([self._piece({})], self.texts)
         if self.labels:
-            self._prove(self.hypotheses, {0: any_of(self._is(one) for one in found)}, "modes and flags")
+            self._prove(self.hypotheses, {"one of them": any_of(self._is(one) for one in found)}, "modes and flags")
         return HandedOver([self._piece(one) for one in found], self.texts)
 
     # -------------------------------------------------------------- modes and flags
 
     def _combinations(self) -> list[Labels]:
         """Return the combinations of labels that a stream may end with; one more than the most if there are more."""
+        models = Models(self.hypotheses, [self.state[var] for var in self.labels])
         found: list[Labels] = []
         while len(found) <= _MOST_PIECES:
-            none = all_of(~self._is(one) for one in found)
-            values = countermodel(Query("another", self.hypotheses, {0: ~none}), self.ends.left)
+            values = models.in_which(all_of(~self._is(one) for one in found), self.ends.left)
             if values is None:
                 break
             last = self.course.last_state(values)
@@ -110,12 +105,15 @@ class _Ending:
         }
         hypotheses = [*self.hypotheses, self._is(labels)]
         sure = {var: _kept(var, self.course.intervals(term)) for var, term in numbers.items()}
-        ranges = {
-            var: self._narrowed(hypotheses, numbers[var], bounds) if self._is_rough(numbers[var]) else bounds
-            for var, bounds in sure.items()
-        }
-        ranges |= {var: sure[var] for var in self._refuted(hypotheses, numbers, ranges)}
-        self._prove(hypotheses, self._folded_to(fixed, labels) | _bounded(self._unfolded(numbers), ranges), "ranges")
+        rough = {var: term for var, term in numbers.items() if self._is_rough(term)}
+        ranges = {**sure, **Narrowing(self.course, hypotheses, rough, sure, self.ends).ranges()}
+        constants, whole = self._folded_to(fixed, labels), self._unfolded(numbers)
+        left = self._prove(
+            hypotheses, constants | _bounded(whole, ranges), "ranges", perhaps={var.name for var in rough}
+        )
+        if left:
+            ranges |= {var: sure[var] for var in rough if var.name in left}
+            self._prove(hypotheses, constants | _bounded(whole, ranges), "ranges")
         return Piece(fixed, ranges)
 
     def _folded_to(self, fixed: Mapping[Var, Value], labels: Labels) -> dict[str, Bool]:
@@ -126,18 +124,6 @@ class _Ending:
     def _unfolded(self, numbers: Mapping[NumVar, Num]) -> dict[NumVar, Num]:
         """Return the terms of numbers as they were before they were folded under the labels: those are proved."""
         return {var: term for var in numbers if isinstance(term := self.state[var], Num)}
-
-    def _refuted(
-        self, hypotheses: Sequence[Bool], numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]
-    ) -> list[NumVar]:
-        """Return the numbers whose narrowed ranges some stream leaves: the solver gave up on a value there."""
-        by_name = {var.name: var for var in numbers}
-        rough = _bounded({var: term for var, term in numbers.items() if self._is_rough(term)}, ranges)
-        return (
-            [by_name[key] for key in unproved(Query(f"{self.name} narrowed", hypotheses, rough), self.ends.left)]
-            if rough
-            else []
-        )
 
     def _under(self, labels: Labels) -> dict[Var, Expr]:
         """Return the state with its terms folded under the labels."""
@@ -152,64 +138,27 @@ class _Ending:
         """Return whether the bounds of a term may be wider than what streams reach, since it chooses among values."""
         return any(isinstance(node, CHOOSING) for node in in_order([term]))
 
-    def _narrowed(self, hypotheses: Sequence[Bool], term: Num, bounds: Bounds) -> Bounds:
-        """Return bounds that some stream reaches, as far as the limits go."""
-        low, high = bounds
-        reached = self._value(hypotheses, term, FALSE)
-        if reached is None:
-            return bounds
-        near = (high - low) // _PRECISION
-        return self._lower(hypotheses, term, low, reached, near), self._upper(hypotheses, term, reached, high, near)
-
-    def _lower(self, hypotheses: Sequence[Bool], term: Num, low: int, reached: int, near: int) -> int:
-        """Return the greatest proved lower bound, by bisection between a proved one and a value that is reached."""
-        for _ in range(_MOST_TRIES):
-            if reached - low <= near or self.ends.passed:
-                break
-            middle = low if reached - low <= 1 else (low + reached) // 2
-            value = self._value(hypotheses, term, term > middle)
-            if value is None:
-                low = middle + 1
-            else:
-                reached = min(reached, value)
-        return low
-
-    def _upper(self, hypotheses: Sequence[Bool], term: Num, reached: int, high: int, near: int) -> int:
-        for _ in range(_MOST_TRIES):
-            if high - reached <= near or self.ends.passed:
-                break
-            middle = high if high - reached <= 1 else (reached + high + 1) // 2
-            value = self._value(hypotheses, term, term < middle)
-            if value is None:
-                high = middle - 1
-            else:
-                reached = max(reached, value)
-        return high
-
-    def _value(self, hypotheses: Sequence[Bool], term: Num, unless: Bool) -> int | None:
-        """Return the value of a term in some stream in which the condition is false; None if there seems to be none."""
-        values = countermodel(Query("a value", hypotheses, {0: unless}), min(_VALUE_SECONDS, self.ends.left))
-        if values is None:
-            return None
-        return int(self._evaluated(term, values))
-
-    def _evaluated(self, term: Num, values: Mapping[Var, Value]) -> Value:
-        (value,) = evaluate([term], self.course.with_rest(values))
-        return value
-
     # -------------------------------------------------------------- proofs
 
-    def _prove(self, hypotheses: Sequence[Bool], goals: Mapping[Any, Bool], what: str) -> None:
-        """Let both solvers prove the goals; EngineError if one does not follow: then the set was computed wrongly."""
+    def _prove(
+        self, hypotheses: Sequence[Bool], goals: Mapping[str, Bool], what: str, *, perhaps: Collection[str] = ()
+    ) -> set[str]:
+        """Let both solvers prove the goals; return those that do not follow, which only those in `perhaps` may do.
+
+        A range may be narrowed too far where the solver gave up on a value. EngineError if a stream refutes another goal: then the set was
+        computed wrongly.
+        """
         asked = settled(Query(f"{self.name} {what}", hypotheses, goals), self.ends)
-        wrong = [f"{key}: {why}" for key, why in asked.failed.items() if isinstance(why, Refuted)]
+        open_ = {key: why for key, why in asked.failed.items() if key not in perhaps}
+        wrong = [f"{key}: {why}" for key, why in open_.items() if isinstance(why, Refuted)]
         if wrong and what != "modes and flags":
             raise EngineError(
                 f"{self.name}: a stream leaves the states handed over: {wrong[0]}. Do not use this result; report it."
             )
-        if asked.failed:
-            raise UnsettledError(f"{self.name}, {what}: {next(iter(asked.failed.values()))}")
+        if open_:
+            raise UnsettledError(f"{self.name}, {what}: {next(iter(open_.values()))}")
         self.texts |= asked.texts
+        return set(asked.failed)
 
 
 def _bounded(numbers: Mapping[NumVar, Num], ranges: Mapping[NumVar, Bounds]) -> dict[str, Bool]:

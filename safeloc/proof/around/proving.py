@@ -2,8 +2,8 @@
 
 Each claim is asked in up to three ways, the cheapest first:
 
-    on board   for all inputs of the tube, whether or not they obey the laws of the world: the machine without its world
     in general a declared property that is proved for all lawful streams holds for those of the tube
+    on board   for all inputs of the tube, whether or not they obey the laws of the world: the machine without its world
     lawful     for the streams of the tube that obey the laws, with the facts that are proved of the machine
 """
 
@@ -49,8 +49,8 @@ from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.results import Finding
 
-General = Callable[[Property], Mapping[str, str] | None]
-"""A declared property -> the certificates of its proof for all lawful streams; None if it is not proved."""
+General = Callable[[Sequence[Property]], Mapping[Property, Mapping[str, str]]]
+"""Declared properties -> the certificates of the proofs for all lawful streams, of those that are proved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Around:
 
     system   the machine with its world, without the laws that are left out
     name     of the stream
-    general  looks for a general proof of a declared property
+    general  looks for general proofs of declared properties
     watched  is called with every course of a window, such as to draw the tube
     seconds_in_all  limit of effort for the whole question, besides those of `limits` for each of its parts
     """
@@ -105,6 +105,7 @@ class _Run:
         self._began, self._ends = time.monotonic(), deadline(self.of.seconds_in_all)
         self.witness: Member | None = None
         self.shown: dict[Asked, Shown] = {}
+        self._general: dict[Property, Mapping[str, str]] = {}
         self._passages: dict[Passage, Shown] = {}
         self._was_watched = False
 
@@ -120,6 +121,7 @@ class _Run:
             if empty is not None:
                 found |= dict.fromkeys(lawful, (empty, "windows"))
         left = [one for one in self.of.asked if one not in found]
+        self._look_for_general_proofs(left)
         for asked, outcome, words in self._decided(left, self._tube(PARTS)):
             if isinstance(outcome, Holds) and outcome.passage is not None:
                 self.shown[asked] = self._passages[outcome.passage]
@@ -174,9 +176,11 @@ class _Run:
 
     def _result(self, asked: Asked, outcome: Outcome, words: str) -> tuple[Result, str]:
         match outcome:
-            case Holds(texts, by_folding):
+            case Holds(texts, by_folding, passage):
                 by = confirmed_by(texts)
-                how = "windows with proved hand-over states" if texts else "folding of every step"
+                how = f"windows with proved hand-over states, {words}" if texts else f"folding of every step, {words}"
+                if passage is None:
+                    how = words
                 depth = self.of.given.length if asked.last is None else asked.last
                 return (
                     Proved(
@@ -187,7 +191,7 @@ class _Run:
                         texts,
                         by_construction="every step folds to constants" if by_folding and not texts else "",
                     ),
-                    rechecked_in_words(f"{how}, {words}", by),
+                    rechecked_in_words(how, by),
                 )
             case Breaks():
                 return self._violated(asked, outcome, words)
@@ -222,8 +226,12 @@ class _Run:
 
     def _decided(self, asked: Sequence[Asked], tube: Tube, *, whole: bool = True) -> list[tuple[Asked, Outcome, str]]:
         """Decide claims in one tube, each in the first way that decides it; `whole` if it is the tube that was asked for."""
-        found: list[tuple[Asked, Outcome, str]] = []
-        left = list(asked)
+        found: list[tuple[Asked, Outcome, str]] = [
+            (one, Holds(texts, by_folding=False), "it follows from the proof for all lawful streams")
+            for one in asked
+            if (texts := self._in_general(one)) is not None
+        ]
+        left = [one for one in asked if self._in_general(one) is None]
         on_board = [one for one in left if speaks_of(self.board.system, one.prop)]
         for one, broken in self._at_corners(on_board, tube).items():
             found.append((one, broken, "streams at the corners of the tube"))
@@ -234,22 +242,24 @@ class _Run:
             if settled is not None:
                 found.append((one, settled, self.board.words))
                 left.remove(one)
-        for one in list(left):
-            texts = self._in_general(one)
-            if texts is not None:
-                found.append((one, Holds(texts, by_folding=False), "it follows from the proof for all lawful streams"))
-                left.remove(one)
         for group in _alike(left):
             way = self._lawful_way(group[0].prop)
             passed = self._passed(way, group, tube, whole=whole)
             found += [(one, outcome, way.words) for one, outcome in passed.items()]
         return found
 
+    def _look_for_general_proofs(self, asked: Sequence[Asked]) -> None:
+        """Look for proofs of declared properties for all lawful streams; with a law that is left out there is none."""
+        declared = [one.prop for one in asked if not one.own]
+        if not declared or self.of.general is None or self.of.without:
+            return
+        few = "1 declared claim" if len(declared) == 1 else f"{len(declared)} declared claims"
+        self.of.say(f"{few}: which are proved for all lawful streams?")
+        self._general = dict(self.of.general(declared))
+
     def _in_general(self, asked: Asked) -> Mapping[str, str] | None:
         """Return the certificates of the proof of a declared property for all lawful streams, if there is one."""
-        if asked.own or self.of.general is None or self.of.without or self._ends.passed:
-            return None
-        return self.of.general(asked.prop)
+        return None if asked.own else self._general.get(asked.prop)
 
     def _at_corners(self, asked: Sequence[Asked], tube: Tube) -> dict[Asked, Breaks]:
         """Return claims that a stream at the corners of the tube breaks, with the truth if they rely on laws."""

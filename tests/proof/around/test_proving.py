@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
 import pytest
 
 from safeloc.errors import EngineError
+from safeloc.language.spec import Property, always
 from safeloc.language.system import lower
 from safeloc.language.trace import Trace
 from safeloc.language.verdict import Proved, Unknown, Vacuous, Violated
 from safeloc.proof.around import hand_over
+from safeloc.proof.around.claims import Asked
 from safeloc.proof.around.course import Course
+from safeloc.proof.around.deviations import deviations
+from safeloc.proof.around.proving import Around
 from safeloc.proof.cores.clauses import ClauseId, without
+from safeloc.proof.provers.limits import Limits
 from safeloc.proof.results import Finding
-from tests.proof.around.small import around, machine, steady
+from tests.proof.around.small import PLACE, around, given, machine, steady
 
 
 def violated(finding: Finding) -> Trace:
@@ -168,3 +176,24 @@ def test_cycles_after_the_last_one_that_is_judged_are_not_run() -> None:
     [found] = around(steady(50), "place_mm <= 260", within={"distance_mm": 3}, last=20, watched=courses.append)
     assert isinstance(found.result, Proved)
     assert max(one.end for one in courses) == 20
+
+
+def test_a_general_proof_is_looked_for_first() -> None:
+    """Of declared properties, all at once; what is proved for all lawful streams is asked of no window, unless a law is left out."""
+    whole = lower(machine())
+    known, other = (always(name, PLACE <= 600, statement="It is so.") for name in ("known", "other"))
+    asked_for: list[Sequence[Property]] = []
+
+    def general(properties: Sequence[Property]) -> Mapping[Property, Mapping[str, str]]:
+        asked_for.append(properties)
+        return {known: {}}
+
+    near, asked = deviations(whole, {"distance_mm": 2}, {}, {}), [Asked(known), Asked(other)]
+    around_ = Around(whole.name, whole, "steady", given(whole, steady(50)), near, asked, Limits(), general=general)
+    methods = [finding.method for finding in around_.findings()]
+    assert methods[0].startswith("it follows from the proof for all lawful streams")
+    assert methods[1].startswith("windows with proved hand-over states")
+    assert asked_for == [[known, other]]
+    [first, _] = replace(around_, without=("the vehicle is slow",)).findings()
+    assert first.method.startswith("windows with proved hand-over states")
+    assert len(asked_for) == 1
