@@ -15,7 +15,7 @@ from safeloc.proof.around.windows import Breaks, Holds, Outcome
 Decide = Callable[[int], Outcome]
 """So many PARTS of all widths -> what is found of the claim in that tube."""
 Again = Callable[[int, int], Breaks | None]
-"""So many PARTS of all widths and a cycle -> a stream of that tube that breaks the claim in that cycle, if the solver finds one."""
+"""So many PARTS of all widths and a cycle -> a stream of that tube that breaks the claim, at its corners or in that cycle, if one is found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +71,12 @@ def nearest(tube: Tube, found: Breaks, decide: Decide, again: Again) -> Nearest:
 
 
 def _least_there(tube: Tube, found: Breaks, again: Again) -> Breaks:
-    """Return the stream of the smallest factor that breaks the claim in the same cycle, as far as the solver finds it."""
+    """Return the stream of the smallest factor that breaks the claim in about the same cycle, as far as one is found."""
     low, best = 0, found
     high = needed(tube, best.stream)
     while low < high:
         middle = (low + high) // 2
-        nearer = again(middle, found.cycle)
+        nearer = again(middle, best.cycle)
         if nearer is None:
             low = middle + 1
         else:

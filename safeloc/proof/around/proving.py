@@ -44,11 +44,15 @@ from safeloc.proof.around.windows import (
     Windows,
     breaking,
 )
-from safeloc.proof.provers.limits import Limits, deadline
+from safeloc.proof.provers.limits import Limits, clock_after, deadline
 from safeloc.proof.provers.proved_base import base
 from safeloc.proof.provers.recheck import confirmed_by, rechecked_in_words
 from safeloc.proof.results import Finding
 
+_NEARER_SECONDS, _NEARER_CLOCK = 30.0, 2.5
+"""Seconds of effort to bring a run nearer that breaks a claim in its cycle, and the multiple of a limit after which the clock ends each question
+about nearer ones: a run is there already.
+"""
 General = Callable[[Sequence[Property]], Mapping[Property, Mapping[str, str]]]
 """Declared properties -> the certificates of the proofs for all lawful streams, of those that are proved."""
 
@@ -211,10 +215,13 @@ class _Run:
             [(_, outcome, _)] = self._decided([asked], self._tube(parts), whole=False)
             return outcome
 
-        def again(parts: int, cycle: int) -> Breaks | None:
-            return self._again(asked, parts, cycle)
+        ends = deadline(_NEARER_SECONDS)
 
-        near = nearest(tube, found, decide, again)
+        def again(parts: int, cycle: int) -> Breaks | None:
+            return None if ends.passed else self._again(asked, parts, cycle)
+
+        with clock_after(_NEARER_CLOCK):
+            near = nearest(tube, found, decide, again)
         trace = self._replayed(asked, near.breaks)
         return Violated(trace, "windows", f"cycle {near.breaks.cycle}: {near.told}"), f"windows, {words}"
 
@@ -341,11 +348,17 @@ class _Run:
         return Space(watched.system, made, facts, restarts), claims
 
     def _again(self, asked: Asked, parts: int, cycle: int) -> Breaks | None:
-        """Return a stream of the scaled tube that breaks a claim in a cycle: on board if it can be lawful, else with the laws."""
+        """Return a stream of the scaled tube that breaks a claim: in any cycle one at its corners, else in this one.
+
+        On board if it can be lawful, else with the laws.
+        """
         if self._ends.passed:
             return None
         tube = self._tube(parts)
         if speaks_of(self.board.system, asked.prop):
+            at_corners = self._at_corners([asked], tube)
+            if at_corners:
+                return at_corners[asked]
             found = self._breaking(self.board, asked, tube, cycle)
             if found is None or asked.prop.unconditional:
                 return found
