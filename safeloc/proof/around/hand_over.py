@@ -16,6 +16,7 @@ from safeloc.language.expr import Bool, Expr, Lit, Num, NumVar, Var, all_of, any
 from safeloc.language.nodes import Truth, Value
 from safeloc.language.ranges import Bounds
 from safeloc.language.terms import in_order
+from safeloc.language.units import Enumeration
 from safeloc.proof.around.course import CHOOSING, Course, Piece, within
 from safeloc.proof.around.narrowing import Narrowing
 from safeloc.proof.provers.implication import Refuted
@@ -135,8 +136,11 @@ class _Ending:
         return {var: known(term) for var, term in self.state.items()}
 
     def _is_rough(self, term: Num) -> bool:
-        """Return whether the bounds of a term may be wider than what streams reach, since it chooses among values."""
-        return any(isinstance(node, CHOOSING) for node in in_order([term]))
+        """Return whether the bounds of a number may be wider than what streams reach, since it chooses among values.
+
+        Members of an enumeration have no order: where modes are not told apart, any of them that the term allows is handed over.
+        """
+        return not isinstance(term.unit, Enumeration) and any(isinstance(node, CHOOSING) for node in in_order([term]))
 
     # -------------------------------------------------------------- proofs
 

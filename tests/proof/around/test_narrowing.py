@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import z3
 
-from safeloc.language.expr import TRUE, Num, NumVar, as_num, ite, maximum, minimum, number
+from safeloc.language.expr import TRUE, Num, NumVar, as_num, boolean, ite, maximum, minimum, number
 from safeloc.language.interpret import read_inputs
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.ranges import Bounds
@@ -112,6 +112,34 @@ def test_no_stream_leaves_what_is_handed_over_where_the_solver_gives_up(monkeypa
         low, high = piece.ranges[var]
         assert low <= least
         assert most <= high
+
+
+def test_more_combinations_than_are_told_apart() -> None:
+    """Four flags and a mode have more combinations than pieces: one piece holds them all, any mode included."""
+    steps = [number(f"step_{place}_mm", MM, -1000, 1000) for place in range(1, 5)]
+    flags = [boolean(f"long_{place}") for place in range(1, 5)]
+    slow, fast = table = modes("SLOW", "FAST")
+    longer = {flag: step > 100 for flag, step in zip(flags, steps, strict=True)}
+    machine = Machine(
+        "flags",
+        table,
+        steps,
+        {**dict.fromkeys(flags, False), FAR: 0},
+        {},
+        [
+            Transition("faster", slow, fast, steps[0] > steps[1], {**longer, FAR: minimum(FAR + steps[0], 8000)}),
+            Transition("as before", slow, slow, TRUE, {**longer, FAR: maximum(FAR + steps[1], -8000)}),
+        ],
+    )
+    system = lower(machine)
+    given = Given([read_inputs(system, {step.name: 100 for step in steps})])
+    tube = Tube(system, given, Deviations({step.name: 2 for step in steps}))
+    space = Space(system, tube)
+    [piece] = hand_over(Course(space, first_piece(space), 0).to(1), deadline(30.0), "test").pieces
+    by_name = {var.name: bounds for var, bounds in piece.ranges.items()}
+    assert (98, 102) == by_name["far_mm"]
+    assert (0, 1) == by_name["mode"]
+    assert not piece.fixed
 
 
 def test_a_question_that_is_too_hard_gets_a_new_solver(monkeypatch: pytest.MonkeyPatch) -> None:
