@@ -14,6 +14,8 @@ _PATIENCE = 3
 """Values at most that are not decided in a search that goes on: each of them takes the whole limit."""
 _PATIENCE_AGAIN = 0
 """The same where they are asked again, with a longer limit."""
+_PATIENCE_OF_A_POINT = 1
+"""The same at a point of a front, where no value is asked again: a front has ten points."""
 _GROWTH = 4
 """Factor of the steps away from a figure's own value."""
 
@@ -44,7 +46,7 @@ class Limit:
 
 
 def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[str, int] | None = None) -> Limit:
-    """Return the limit of a figure in one direction. fixed: other figures that have moved already."""
+    """Return the limit of a figure in one direction. fixed: other figures that have moved already, at a point of a front."""
     search = _Search(asking, figure, direction, dict(fixed or {}))
     if search.end == figure.value:
         return Limit(figure, direction, figure.value, Answer("proved"), None)
@@ -140,8 +142,9 @@ class _Search:
 
         From a value at which a run breaks a claim the search goes along that run to the nearest one, and asks all claims beside it.
         """
-        good, bad, run_at = self._narrowed(self._figure.value, end, None, self.answer, _PATIENCE)
-        if self.answer(bad).end == "undecided":
+        patience = _PATIENCE_OF_A_POINT if self._fixed else _PATIENCE
+        good, bad, run_at = self._narrowed(self._figure.value, end, None, self.answer, patience)
+        if self.answer(bad).end == "undecided" and not self._fixed:
             start = bad if run_at is None else run_at
             if run_at is None and self.again(bad).end == "proved":
                 if bad == end or self.again(end).end == "proved":

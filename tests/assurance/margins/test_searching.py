@@ -175,6 +175,21 @@ def test_beside_another_figure_its_own_value_may_fail_already() -> None:
     assert (100, 100, "broken") == (one.holds_to, one.beyond, one.end.end)
 
 
+def test_at_a_point_of_a_front_nothing_is_asked_again() -> None:
+    """Alone, what is undecided is asked again, and more patience decides it; beside another figure it is told as it is, after two values."""
+
+    def scripted() -> Scripted:
+        return Scripted(
+            lambda value: "proved" if value < 101 else "undecided", lambda value, at: True, patiently=lambda _: "proved"
+        )
+
+    assert found(scripted()).end.end == "proved"
+    beside = scripted()
+    one = limit(beside, FIGURE, "up", {"g": 3})  # type: ignore[arg-type] # as above
+    assert (100, 101, "undecided") == (one.holds_to, one.beyond, one.end.end)
+    assert len([value for value in beside.asked if value > 100]) <= 2
+
+
 def test_what_the_limits_left_open_is_not_kept(tmp_path: Path) -> None:
     """A busy computer, or a longer limit, may decide it another time."""
     store = Store(tmp_path)
