@@ -6,6 +6,7 @@ have ranges. The ranges are those of the folded terms; those of terms that choos
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -27,6 +28,9 @@ from safeloc.proof.provers.settle import settled
 
 _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
+
+_CONFIRMING_SECONDS = 1.0
+"""Seconds of effort of the second solver for each range that was narrowed: where it takes longer, the bounds of terms are handed over."""
 
 
 class UnsettledError(Exception):
@@ -152,14 +156,15 @@ class _Ending:
         A range may be narrowed too far where the solver gave up on a value. EngineError if a stream refutes another goal: then the set was
         computed wrongly.
         """
-        asked = settled(Query(f"{self.name} {what}", hypotheses, goals), self.ends)
+        confirming = _CONFIRMING_SECONDS if perhaps else math.inf
+        asked = settled(Query(f"{self.name} {what}", hypotheses, goals), self.ends, confirming=confirming)
         open_ = {key: why for key, why in asked.failed.items() if key not in perhaps}
         wrong = [f"{key}: {why}" for key, why in open_.items() if isinstance(why, Refuted)]
         if wrong and what != "modes and flags":
             raise EngineError(
                 f"{self.name}: a stream leaves the states handed over: {wrong[0]}. Do not use this result; report it."
             )
-        if open_:
+        if open_ and not perhaps:
             raise UnsettledError(f"{self.name}, {what}: {next(iter(open_.values()))}")
         self.texts |= asked.texts
         return set(asked.failed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic
@@ -33,11 +34,16 @@ def settled_but(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()
     return Settled({**first.failed, **again.failed}, again.texts), [key for key in rest if key not in again.failed]
 
 
-def settled(query: Query[Key], ends: Deadline, relies_on: Sequence[str] = ()) -> Settled[Key]:
-    """Decide by both solvers whether every goal follows. EngineError if the second contradicts z3."""
+def settled(
+    query: Query[Key], ends: Deadline, relies_on: Sequence[str] = (), *, confirming: float = math.inf
+) -> Settled[Key]:
+    """Decide by both solvers whether every goal follows. EngineError if the second contradicts z3.
+
+    confirming  seconds of effort for the second solver at most, for each goal; what it does not confirm then is undecided
+    """
     failed = unproved(query, ends.left)
     if failed or not query.goals:
         return Settled(failed, {})
-    certificate = certify(query, seconds=ends.left, relies_on=relies_on)
+    certificate = certify(query, seconds=min(confirming, ends.left), relies_on=relies_on)
     late: dict[Key, Failure] = {key: Undecided(UNCONFIRMED) for key in certificate.undecided}
     return Settled(late, {} if late else {certificate.file: certificate.text})
