@@ -40,10 +40,18 @@ ROWS = (
     *(Row("odometry", "odometry-service", dict.fromkeys(FRONT, 2), "valid", 420, cycles) for cycles in (450, 600, 800, 1050)),
     *(Row("odometry", "odometry-service", dict.fromkeys(FRONT, width), "valid", 420) for width in (0, 1, 4)),
     *(Row("odometry", "odometry-service", dict.fromkeys(SOURCES[:count], 2), "valid", 420, 600) for count in (1, 3, 4)),
+    Row("odometry", "odometry-service", {"front_wheel_mm": 50}, "margin_above_mm <= 30000", 420),
+    Row("unlinked_group", "unlinked_group-rolled-back", {"odometer_mm": 20, "telegram_age_ms": 20}, "distance_mm <= 572960", 1),
+    Row("unlinked_group", "unlinked_group-rolled-back", {"odometer_mm": 20, "telegram_age_ms": 20}, "age_ms <= 34310", 1),
+    Row("reflector", "reflector-figure-1", dict.fromkeys(("distance_mm", "echo_1_range_mm", "echo_2_range_mm"), 20), "position_mm <= 973614", 1),
+    Row("route", "route-acd-every-reflector", dict.fromkeys(("odometer_mm", "sighting_range_mm"), 1), "route_1_high_mm <= 320075", 1),
+    Row("occupied_track", "occupied_track-turns-seen", dict.fromkeys(("front_low_mm", "front_high_mm"), 20), "tracks <= 3", 1),
+    Row("guard", "guard-in-doubt", {"fix_mm": 10, "fix_offset_mm": 10}, "agreed_fixes <= 10", 1),
     Row("balise", "balise-service", {"odometer_mm": 2}, 'mode != "DELOCALIZED"', 500),
     Row("balise", "balise-service", {"odometer_mm": 10}, 'mode != "DELOCALIZED"', 500),
     Row("axle_counter", "axle_counter-crawling", {"axle_speed_low_mm_s": 5, "axle_speed_high_mm_s": 5}, "record_axles <= 20", 1),
     Row("localizer", "localizer-main-line", {"motion.odometer_mm": 1}, "arbitration.valid", 230),
+    Row("localizer", "localizer-main-line", {"motion.odometer_mm": 5}, "arbitration.valid", 230),
 )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ _PATIENCE = 3
 _PATIENCE_AGAIN = 0
 """The same where they are asked again, with a longer limit."""
 _PATIENCE_OF_A_POINT = 1
-"""The same at a point of a front, where no value is asked again: a front has ten points."""
+"""The same at a point of a front, where none but the figure's own value is asked again: a front has ten points."""
 _GROWTH = 4
 """Factor of the steps away from a figure's own value."""
 
@@ -50,7 +50,7 @@ def limit(asking: Asking, figure: Figure, direction: Direction, fixed: Mapping[s
     search = _Search(asking, figure, direction, dict(fixed or {}))
     if search.end == figure.value:
         return Limit(figure, direction, figure.value, Answer("proved"), None)
-    if fixed and search.answer(figure.value).end != "proved":
+    if fixed and search.again(figure.value).end != "proved":
         return Limit(figure, direction, figure.value, search.answer(figure.value), figure.value)
     admitted = search.last_admitted()
     if admitted == figure.value:

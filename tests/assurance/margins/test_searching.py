@@ -190,6 +190,17 @@ def test_at_a_point_of_a_front_nothing_is_asked_again() -> None:
     assert len([value for value in beside.asked if value > 100]) <= 2
 
 
+def test_at_a_point_of_a_front_its_own_value_is_asked_again() -> None:
+    """A point whose own value stays undecided tells nothing at all."""
+    scripted = Scripted(
+        lambda value: "undecided" if value == FIGURE.value else "proved",
+        lambda value, at: True,
+        patiently=lambda value: "proved" if value == FIGURE.value else "",
+    )
+    one = limit(scripted, FIGURE, "up", {"g": 3})  # type: ignore[arg-type] # as above
+    assert (FIGURE.high, None, "proved") == (one.holds_to, one.beyond, one.end.end)
+
+
 def test_what_the_limits_left_open_is_not_kept(tmp_path: Path) -> None:
     """A busy computer, or a longer limit, may decide it another time."""
     store = Store(tmp_path)
