@@ -23,7 +23,7 @@ from safeloc.proof.around.narrowing import Narrowing
 from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.limits import Deadline
 from safeloc.proof.provers.linear import constant_of
-from safeloc.proof.provers.models import Models
+from safeloc.proof.provers.models import GaveUpError, Models
 from safeloc.proof.provers.settle import settled
 
 _MOST_PIECES = 12
@@ -86,7 +86,10 @@ class _Ending:
         models = Models(self.hypotheses, [self.state[var] for var in self.labels])
         found: list[Labels] = []
         while len(found) <= _MOST_PIECES:
-            values = models.in_which(all_of(~self._is(one) for one in found), self.ends.left)
+            try:
+                values = models.in_which(all_of(~self._is(one) for one in found), self.ends.left)
+            except GaveUpError:  # there may be more: the proof that these are all of them decides
+                break
             if values is None:
                 break
             last = self.course.last_state(values)

@@ -7,6 +7,7 @@ bisection. Every stream that is found shows what it reaches of all numbers.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from safeloc.language.expr import TRUE, Bool, Num, NumVar
@@ -15,7 +16,7 @@ from safeloc.language.nodes import Choose, Max, Min
 from safeloc.language.ranges import Bounds
 from safeloc.proof.around.course import Course
 from safeloc.proof.provers.limits import Deadline
-from safeloc.proof.provers.models import Models
+from safeloc.proof.provers.models import GaveUpError, Models
 
 _PRECISION = 1_000_000
 """A range is narrowed to this share of its first width."""
@@ -43,29 +44,45 @@ class Narrowing:
 
     def ranges(self) -> dict[NumVar, Bounds]:
         """Return ranges within the sure ones; these themselves if no stream is found."""
-        if not self.numbers or not self._finds(TRUE):
+        try:
+            found = bool(self.numbers) and self._finds(TRUE)
+        except GaveUpError:
+            found = False
+        if not found:
             return {var: self.sure[var] for var in self.numbers}
         return {var: (-self._most(var, -1), self._most(var, 1)) for var in self.numbers}
 
     def _most(self, var: NumVar, sign: int) -> int:
-        """Return the least upper bound that is known of a number (with sign -1: of its negative): no stream was found above it."""
+        """Return the least upper bound that is found of a number (with sign -1: of its negative): no stream goes above it.
+
+        Where a question is too hard, it is the least one so far.
+        """
         low, high = self.sure[var]
-        most, near = high if sign > 0 else -low, (high - low) // _PRECISION
+        most = high if sign > 0 else -low
+        with suppress(GaveUpError):
+            for bound in self._bounds(var, sign, most, (high - low) // _PRECISION):
+                most = bound
+        return most
+
+    def _bounds(self, var: NumVar, sign: int, most: int, near: int) -> Iterator[int]:
+        """Yield ever lower upper bounds, the last one at most `near` above what some stream reaches."""
         ends = sorted({end for end in self._ends(var, sign) if end < most}, reverse=True)
         while ends:  # which of them is the least that no stream goes beyond?
             ends = [end for end in ends if end >= self._reached_most(var, sign)]
             middle = len(ends) // 2
             if ends and not self._goes_beyond(var, sign, ends[middle]):
                 most, ends = ends[middle], ends[middle + 1 :]
+                yield most
         reached = self._reached_most(var, sign)
         ends = [most - 1, reached + near] if most - reached > near else []
         if ends and not any(self._goes_beyond(var, sign, end) for end in ends):
-            return reached + near
-        while most - self._reached_most(var, sign) > near and not self.ends.passed:
+            yield reached + near
+            return
+        while most - self._reached_most(var, sign) > near:
             middle = (most + self._reached_most(var, sign)) // 2
             if not self._goes_beyond(var, sign, middle):
                 most = middle
-        return most
+                yield most
 
     def _ends(self, var: NumVar, sign: int) -> Iterator[int]:
         """Yield the upper bounds of the values among which a number chooses."""

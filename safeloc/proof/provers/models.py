@@ -13,6 +13,10 @@ from safeloc.language.terms import variables
 from safeloc.proof.provers.asking import ask, plain_solver
 
 
+class GaveUpError(Exception):
+    """z3 does not decide a question within the seconds of effort."""
+
+
 class Models:
     """Values of variables under which all conditions hold.
 
@@ -28,10 +32,7 @@ class Models:
         self._solver = self._new()
 
     def in_which(self, condition: Bool, seconds: float) -> dict[Var, Value] | None:
-        """Return values under which this condition holds too.
-
-        None if there are none, or if z3 finds none within the seconds of effort.
-        """
+        """Return values under which this condition holds too; None if there are none. GaveUpError if z3 does not decide that."""
         self._solver.push()
         self._solver.add(self._terms.bool(condition))
         answer = ask(self._solver, seconds)
@@ -39,6 +40,7 @@ class Models:
         self._solver.pop()
         if answer == z3.unknown:
             self._solver = self._new()
+            raise GaveUpError
         return None if model is None else {var: value_of(model, term) for var, term in self._named.items()}
 
     def _new(self) -> z3.Solver:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import z3
 
-from safeloc.language.expr import TRUE, Num, NumVar, as_num, boolean, ite, maximum, minimum, number
+from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, as_num, boolean, ite, maximum, minimum, number
 from safeloc.language.interpret import read_inputs
 from safeloc.language.machine import Machine, Transition, modes
 from safeloc.language.ranges import Bounds
@@ -20,7 +20,7 @@ from safeloc.proof.around.hand_over import hand_over
 from safeloc.proof.around.narrowing import Narrowing
 from safeloc.proof.around.tube import Given, Tube
 from safeloc.proof.provers.limits import deadline
-from safeloc.proof.provers.models import Models
+from safeloc.proof.provers.models import GaveUpError, Models
 
 STEP = number("distance_mm", MM, -1000, 1000)
 FAR, CUT, APART = (number(name, MM, -10_000, 10_000) for name in ("far_mm", "cut_mm", "apart_mm"))
@@ -93,25 +93,34 @@ def test_the_terms_alone_allow_more() -> None:
     assert narrowing(of).sure[CUT] != reached(3, 50)[CUT]
 
 
-def test_no_stream_leaves_what_is_handed_over_where_the_solver_gives_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A range that was narrowed too far is refused by the proof, and the bounds of the terms are handed over instead."""
-    tried = [0]
+def test_a_range_that_is_too_narrow_is_not_handed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If it were, a stream would leave it: the proof refuses it, and the bounds of the terms are handed over instead."""
+    of = course()
+    wrong = {var: (least, least) for var, (least, _) in reached(3, 50).items()}
+    monkeypatch.setattr(Narrowing, "ranges", lambda self: {var: wrong[var] for var in self.numbers})
+    [piece] = hand_over(of, deadline(30.0), "test").pieces
+    sure = narrowing(of).sure
+    assert {var: piece.ranges[var] for var in wrong} == {var: sure[var] for var in wrong}
+
+
+def test_where_the_solver_gives_up_a_range_is_as_wide_as_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After so many questions: each end is that of the terms, or one that no stream goes beyond."""
+    of, left = course(), [0]
+    in_which = Models.in_which
 
     def gives_up(self: Models, condition: Any, seconds: float) -> Mapping[Any, Any] | None:
-        tried[0] += 1
-        return in_which(self, condition, seconds) if tried[0] == 1 else None
+        left[0] -= 1
+        if left[0] < 0:
+            raise GaveUpError
+        return in_which(self, condition, seconds)
 
-    in_which = Models.in_which
-    of = course()
-    assert narrowing(of).ranges() == reached(3, 50)
     monkeypatch.setattr(Models, "in_which", gives_up)
-    assert narrowing(of).ranges() != reached(3, 50)
-    tried[0] = 0
-    [piece] = hand_over(of, deadline(30.0), "test").pieces
-    for var, (least, most) in reached(3, 50).items():
-        low, high = piece.ranges[var]
-        assert low <= least
-        assert most <= high
+    streams, sure = reached(3, 50), narrowing(of).sure
+    for most in range(0, 24, 3):
+        left[0] = most
+        for var, (low, high) in narrowing(of).ranges().items():
+            assert sure[var][0] <= low <= streams[var][0]
+            assert streams[var][1] <= high <= sure[var][1]
 
 
 def test_more_combinations_than_are_told_apart() -> None:
@@ -119,7 +128,9 @@ def test_more_combinations_than_are_told_apart() -> None:
     steps = [number(f"step_{place}_mm", MM, -1000, 1000) for place in range(1, 5)]
     flags = [boolean(f"long_{place}") for place in range(1, 5)]
     slow, fast = table = modes("SLOW", "FAST")
-    longer = {flag: step > 100 for flag, step in zip(flags, steps, strict=True)}
+    longer: dict[NumVar | BoolVar, Num | Bool | int] = {
+        flag: step > 100 for flag, step in zip(flags, steps, strict=True)
+    }
     machine = Machine(
         "flags",
         table,
@@ -155,6 +166,7 @@ def test_a_question_that_is_too_hard_gets_a_new_solver(monkeypatch: pytest.Monke
     assert models.in_which(STEP < 3, 1.0) is None
     assert models.in_which(STEP < 5, 1.0) == {STEP: 4}
     assert asked[0] is asked[1]
-    assert models.in_which(STEP < 5, 0) is None
+    with pytest.raises(GaveUpError):
+        models.in_which(STEP < 5, 0)
     assert models.in_which(STEP < 5, 1.0) == {STEP: 4}
     assert asked[2] is not asked[3]
