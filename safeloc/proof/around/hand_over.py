@@ -21,7 +21,7 @@ from safeloc.language.units import Enumeration
 from safeloc.proof.around.course import CHOOSING, Course, Piece, within
 from safeloc.proof.around.narrowing import Narrowing
 from safeloc.proof.provers.implication import Refuted
-from safeloc.proof.provers.limits import Deadline
+from safeloc.proof.provers.limits import Deadline, deadline
 from safeloc.proof.provers.linear import constant_of
 from safeloc.proof.provers.models import GaveUpError, Models
 from safeloc.proof.provers.settle import settled
@@ -29,8 +29,10 @@ from safeloc.proof.provers.settle import settled
 _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
 
-_CONFIRMING_SECONDS = 1.0
-"""Seconds of effort of the second solver for each range that was narrowed: where it takes longer, the bounds of terms are handed over."""
+_NARROWED_SECONDS, _CONFIRMING_SECONDS = 4.0, 1.0
+"""Seconds of effort of z3 for all ranges that were narrowed, and of the second solver for each: where they take longer, the bounds of terms are
+handed over.
+"""
 
 
 class UnsettledError(Exception):
@@ -159,8 +161,9 @@ class _Ending:
         A range may be narrowed too far where the solver gave up on a value. EngineError if a stream refutes another goal: then the set was
         computed wrongly.
         """
+        ends = deadline(min(_NARROWED_SECONDS, self.ends.left)) if perhaps else self.ends
         confirming = _CONFIRMING_SECONDS if perhaps else math.inf
-        asked = settled(Query(f"{self.name} {what}", hypotheses, goals), self.ends, confirming=confirming)
+        asked = settled(Query(f"{self.name} {what}", hypotheses, goals), ends, confirming=confirming)
         open_ = {key: why for key, why in asked.failed.items() if key not in perhaps}
         wrong = [f"{key}: {why}" for key, why in open_.items() if isinstance(why, Refuted)]
         if wrong and what != "modes and flags":
