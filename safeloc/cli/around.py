@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from safeloc.cli.around_folder import drawn, write_certificate, write_folder
+from safeloc.cli.around_folder import drawn, make_folder, write_certificate, write_folder
 from safeloc.cli.around_question import asked, figures, general, laws
 from safeloc.cli.around_stream import given_stream
 from safeloc.cli.console import err
@@ -79,6 +79,8 @@ def prove_around(target: str, options: AroundOptions, proving: Proving) -> int:
         figures("--delay", options.delay),
     )
     _require_truth(loaded, run, list(near.widths), name)
+    if options.out is not None:
+        make_folder(options.out)
     wanted = asked(loaded, options.claims, (options.first, options.last), proving.only, run.given.length)
     bands = Bands(loaded.system, drawn(loaded, wanted, list(near.widths)))
     around = Around(

@@ -42,13 +42,20 @@ CERTIFICATES, CERTIFICATE, GIVEN, LAWFUL = "certificates", "around.json", "given
 SCHEMA = "safeloc-around/1"
 
 
+def make_folder(folder: Path) -> None:
+    """Make the output folder before anything is proved; InputError where it can not be made."""
+    try:
+        (folder / CERTIFICATES).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written: {error}") from error
+
+
 def write_folder(
     folder: Path, loaded: Target, run: Recorded, bands: Bands, findings: Sequence[Finding], *, quiet: bool
 ) -> None:
     """Write a picture of each signal, the stream of each violation, and the certificates."""
     broken = [len(one.result.trace.steps) for one in findings if isinstance(one.result, Violated) and one.result.trace]
     try:
-        (folder / CERTIFICATES).mkdir(parents=True, exist_ok=True)
         pictures = file_names(list(bands.names))
         for name in bands.names:
             term = signals(loaded.system)[name]

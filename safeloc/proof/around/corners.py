@@ -23,18 +23,22 @@ Row = Mapping[Var, Value]
 
 
 def broken_at_corners(space: Space, claims: Sequence[Claim]) -> dict[Claim, Breaks]:
-    """Return claims that one of the streams breaks, each with the shortest of these streams. The space has no ghosts."""
+    """Return claims that one of the streams breaks, each with the stream given if that breaks it, else with the shortest. The space has no ghosts."""
     known = first_piece(space)
     state = tuple(space.system.state)
     start = [known.fixed[var] for var in state]
     runs = _Runs(space, claims)
+    first, every = dict(zip(state, start, strict=True)), streams(space.tube)
+    given = next(every)
+    by_itself = {claim: Breaks(first, given[:cycle]) for claim, cycle in runs.broken(start, given).items()}
+    left = [claim for claim in claims if claim not in by_itself]
     found: dict[Claim, Breaks] = {}
-    for rows in streams(space.tube):
-        most = max((found[claim].cycle if claim in found else len(rows) for claim in claims), default=0)
+    for rows in every if left else ():
+        most = max(found[claim].cycle if claim in found else len(rows) for claim in left)
         for claim, cycle in runs.broken(start, rows[:most]).items():
-            if claim not in found or cycle < found[claim].cycle:
-                found[claim] = Breaks(dict(zip(state, start, strict=True)), rows[:cycle])
-    return found
+            if claim in left and (claim not in found or cycle < found[claim].cycle):
+                found[claim] = Breaks(first, rows[:cycle])
+    return found | by_itself
 
 
 class _Runs:

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 from safeloc.codegen.smtlib import Query
 from safeloc.language.expr import FALSE, Var, all_of
 from safeloc.language.first_values import Any_
-from safeloc.language.interpret import evaluate, holds, stepped
+from safeloc.language.interpret import evaluate, holds, start, stepped
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
+from safeloc.proof.around.broken_runs import open_first
 from safeloc.proof.around.course import Course, Piece, Space, first_piece
 from safeloc.proof.around.hand_over import UnsettledError, hand_over
+from safeloc.proof.around.tube import Given
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses
 from safeloc.proof.provers.implication import countermodel
 from safeloc.proof.provers.limits import Limits, deadline
@@ -37,6 +39,16 @@ class Empty:
 
     cycle: int
     laws: tuple[str, ...]
+
+
+def as_recorded(system: TransitionSystem, given: Given) -> Member | None:
+    """Return the inputs of a stream with the truth that was recorded beside them, as far as the stream goes; None if none was."""
+    if not given.choices and any(var in system.ghosts for var in system.inputs):
+        return None
+    choices = given.choices or [{} for _ in given.rows]
+    ghosts = given.ghosts[0] if given.ghosts else {}
+    first = start(system, open_first(system, {**given.first, **ghosts}))
+    return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=False)])
 
 
 def as_steps(system: TransitionSystem, found: Member) -> tuple[dict[str, Value], list[dict[str, Value]]]:

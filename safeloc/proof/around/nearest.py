@@ -24,22 +24,21 @@ class Nearest:
 
     broken_at  PARTS of all widths that the run needs
     holds_at   the most PARTS at which the claim is proved; None if it is broken without any width
+    moved      whether messages may be lost or late
     """
 
     breaks: Breaks
     broken_at: int
     holds_at: int | None
+    moved: bool = False
 
     @property
     def told(self) -> str:
         """Return both factors in words."""
         broken = f"broken at {_factor(self.broken_at)} of the widths (this run)"
         if self.holds_at is None:
-            return (
-                f"{broken}: the stream given, with the losses and delays allowed, breaks it without any width"
-                if not self.broken_at
-                else broken
-            )
+            allowed = ", with the losses and delays allowed," if self.moved else ""
+            return broken if self.broken_at else f"{broken}: the stream given{allowed} breaks it without any width"
         between = "" if self.broken_at - self.holds_at == 1 else "; between them it is undecided"
         return f"holds at {_factor(self.holds_at)} of the widths (proved), {broken}{between}"
 
@@ -67,7 +66,7 @@ def nearest(tube: Tube, found: Breaks, decide: Decide, again: Again) -> Nearest:
                 broken, unsure = min(parts, needed(tube, best.stream)), PARTS + 1
             case _:
                 unsure = parts
-    return Nearest(best, broken, None if holds < 0 else holds)
+    return Nearest(best, broken, None if holds < 0 else holds, bool(tube.deviations.channels))
 
 
 def _least_there(tube: Tube, found: Breaks, again: Again) -> Breaks:

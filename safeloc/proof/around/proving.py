@@ -28,11 +28,12 @@ from safeloc.proof.around.containment import first_outside
 from safeloc.proof.around.corners import broken_at_corners
 from safeloc.proof.around.course import Course, Space, first_piece
 from safeloc.proof.around.deviations import PARTS, Deviations
-from safeloc.proof.around.members import Member, emptied, first_unlawful, member
+from safeloc.proof.around.members import Member, as_recorded, emptied, first_unlawful, member
 from safeloc.proof.around.nearest import nearest
 from safeloc.proof.around.shown import Decided, Shown
 from safeloc.proof.around.tube import Given, Tube
 from safeloc.proof.around.windows import (
+    LEAST_SECONDS,
     OVER,
     Breaks,
     Claim,
@@ -112,6 +113,11 @@ class _Run:
         self._general: dict[Property, Mapping[str, str]] = {}
         self._passages: dict[Passage, Shown] = {}
         self._was_watched = False
+
+    @property
+    def _limits(self) -> Limits:
+        """The limits of a part of the question: its own, or what is left of the whole."""
+        return replace(self.of.limits, seconds=min(self.of.limits.seconds, max(self._ends.left, LEAST_SECONDS)))
 
     # -------------------------------------------------------------- findings
 
@@ -301,8 +307,11 @@ class _Run:
             if name in {v.name for v in way.system.ghosts}
         }
         given = replace(self.of.given, rows=rows, first={**self.of.given.first, **first})
+        as_it_was = as_recorded(way.system, given)
+        if as_it_was is not None and first_unlawful(way.system, as_it_was) is None:
+            return Breaks(as_it_was.first, as_it_was.stream)
         tube = Tube(way.system, given, Deviations(ghosts))
-        made = member(Space(way.system, tube), self.of.limits, len(rows))
+        made = member(Space(way.system, tube), self._limits, len(rows))
         return None if made is None else Breaks(made.first, made.stream)
 
     def _lawful_way(self, prop: Property) -> _Way:
@@ -369,14 +378,14 @@ class _Run:
 
     def _breaking(self, way: _Way, asked: Asked, tube: Tube, cycle: int) -> Breaks | None:
         space, claims = self._space(way, [asked], tube)
-        return breaking(Course(space, first_piece(space), 0).to(cycle), claims[asked], cycle, self.of.limits)
+        return breaking(Course(space, first_piece(space), 0).to(cycle), claims[asked], cycle, self._limits)
 
     # -------------------------------------------------------------- emptiness
 
     def _empty(self) -> Vacuous | Unknown | None:
         """Return the verdict of every lawful claim if no lawful stream of the tube is known."""
         system = self.of.system
-        recorded = self._recorded()
+        recorded = as_recorded(system, self.of.given)
         if recorded is not None and first_unlawful(system, recorded) is None:
             self.witness = recorded
             return None
@@ -384,10 +393,10 @@ class _Run:
         widths = self.of.deviations.widths
         for deviations in (Deviations(dict.fromkeys(widths, 0)), self.of.deviations):
             tube = Tube(system, self.of.given, deviations)
-            self.witness = member(Space(system, tube), self.of.limits, length)
+            self.witness = member(Space(system, tube), self._limits, length)
             if self.witness is not None:
                 return None
-        empty = emptied(Space(system, self._tube(PARTS)), self.of.limits)
+        empty = emptied(Space(system, self._tube(PARTS)), self._limits)
         if empty is None:
             return Unknown(
                 "no stream of the tube was found that obeys the laws up to the end, and none was excluded either"
@@ -397,16 +406,6 @@ class _Run:
             f"the tube is empty from cycle {empty.cycle} on: no stream of it obeys {laws} so far; widen the tube, "
             "or leave a law out with --without"
         )
-
-    def _recorded(self) -> Member | None:
-        """Return the stream given with the recorded truth, if it has one."""
-        given, system = self.of.given, self.of.system
-        if not given.choices and any(var in system.ghosts for var in system.inputs):
-            return None
-        choices = given.choices or [{} for _ in given.rows]
-        ghosts = given.ghosts[0] if given.ghosts else {}
-        first = start(system, open_first(system, {**given.first, **ghosts}))
-        return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=True)])
 
     # -------------------------------------------------------------- replay
 

@@ -29,7 +29,7 @@ _BACK_WINDOWS = 2.0
 """Multiple of the limit for all these questions of one claim in one window."""
 OVER = "the time for the whole question is over"
 """The reason of a claim that is left when the limit of the whole question is reached."""
-_LEAST_SECONDS = 0.1
+LEAST_SECONDS = 0.1
 """Seconds of effort that a question gets at least, so that a window that was begun is left in order."""
 _WINDOW = 20
 """Cycles of a window, as long as nothing is left undecided."""
@@ -168,7 +168,7 @@ class Windows:
 
     def _seconds(self) -> float:
         """Return the limit of a question: its own, or what is left of the whole."""
-        return min(self.limits.seconds, max(self.ends.left, _LEAST_SECONDS))
+        return min(self.limits.seconds, max(self.ends.left, LEAST_SECONDS))
 
     def _window(self) -> None:
         at, pieces = self.handed[-1]

@@ -197,3 +197,14 @@ def test_a_general_proof_is_looked_for_first() -> None:
     [first, _] = replace(around_, without=("the vehicle is slow",)).findings()
     assert first.method.startswith("windows with proved hand-over states")
     assert len(asked_for) == 1
+
+
+def test_the_stream_itself_breaks_a_claim() -> None:
+    """Then it is the nearest one, whatever the widths: it is told with the truth that was recorded, and nothing is searched."""
+    [found] = around(steady(50), "place_mm <= 300", within={"distance_mm": 10})
+    assert len(violated(found).steps) == 31
+    assert reason(found).endswith(
+        "broken at 0.000 of the widths (this run): the stream given breaks it without any width"
+    )
+    [with_losses] = around(steady(50), "age_cycles <= 3", within={"distance_mm": 10}, drop={"fix_mm": 1})
+    assert "the stream given, with the losses and delays allowed, breaks it without any width" in reason(with_losses)
