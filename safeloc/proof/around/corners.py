@@ -23,7 +23,10 @@ Row = Mapping[Var, Value]
 
 
 def broken_at_corners(space: Space, claims: Sequence[Claim]) -> dict[Claim, Breaks]:
-    """Return claims that one of the streams breaks, each with the stream given if that breaks it, else with the shortest. The space has no ghosts."""
+    """Return claims that one of the streams breaks: each with the stream given if that breaks it, else with the shortest one.
+
+    The space has no ghosts.
+    """
     known = first_piece(space)
     state = tuple(space.system.state)
     start = [known.fixed[var] for var in state]

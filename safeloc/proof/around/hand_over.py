@@ -1,7 +1,7 @@
 """The set of states in which a window of cycles may end, proved, and handed over to the next window.
 
 It is a union of pieces. In each piece modes and flags are constants, as far as there are few combinations of them, and numbers
-have ranges. The ranges are those of the folded terms; those of terms that choose among values are narrowed by bisection. Wherever they come from, both solvers then prove that no stream leaves the set.
+have ranges. The ranges are those of the folded terms; those of terms that choose among values are narrowed (narrowing.py). Wherever they come from, both solvers then prove that no stream leaves the set.
 """
 
 from __future__ import annotations
@@ -28,7 +28,6 @@ from safeloc.proof.provers.settle import settled
 
 _MOST_PIECES = 12
 """More combinations of modes and flags than that are joined into one piece."""
-
 _NARROWED_SECONDS, _CONFIRMING_SECONDS = 4.0, 1.0
 """Seconds of effort of z3 for all ranges that were narrowed, and of the second solver for each: where they take longer, the bounds of terms are
 handed over.

@@ -45,10 +45,10 @@ def as_recorded(system: TransitionSystem, given: Given) -> Member | None:
     """Return the inputs of a stream with the truth that was recorded beside them, as far as the stream goes; None if none was."""
     if not given.choices and any(var in system.ghosts for var in system.inputs):
         return None
-    choices = given.choices or [{} for _ in given.rows]
+    choices = given.choices[: given.length] or [{} for _ in given.rows]
     ghosts = given.ghosts[0] if given.ghosts else {}
     first = start(system, open_first(system, {**given.first, **ghosts}))
-    return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=False)])
+    return Member(first, [{**row, **truth} for row, truth in zip(given.rows, choices, strict=True)])
 
 
 def as_steps(system: TransitionSystem, found: Member) -> tuple[dict[str, Value], list[dict[str, Value]]]:

@@ -188,9 +188,8 @@ class _Run:
         match outcome:
             case Holds(texts, by_folding, passage):
                 by = confirmed_by(texts)
-                how = f"windows with proved hand-over states, {words}" if texts else f"folding of every step, {words}"
-                if passage is None:
-                    how = words
+                how = "windows with proved hand-over states, " if texts else "folding of every step, "
+                how = words if passage is None else how + words
                 depth = self.of.given.length if asked.last is None else asked.last
                 return (
                     Proved(
@@ -266,8 +265,7 @@ class _Run:
         declared = [one.prop for one in asked if not one.own]
         if not declared or self.of.general is None or self.of.without:
             return
-        few = "1 declared claim" if len(declared) == 1 else f"{len(declared)} declared claims"
-        self.of.say(f"{few}: which are proved for all lawful streams?")
+        self.of.say(f"{_claims(len(declared))}: which are proved for all lawful streams?")
         self._general = dict(self.of.general(declared))
 
     def _in_general(self, asked: Asked) -> Mapping[str, str] | None:
@@ -333,8 +331,7 @@ class _Run:
             return {}
         self._was_watched = self._was_watched or whole
         space, claims = self._space(way, asked, tube)
-        claims_in_words = "1 claim" if len(asked) == 1 else f"{len(asked)} claims"
-        self.of.say(f"{claims_in_words} through {_last(asked, tube)} cycles, {way.words}")
+        self.of.say(f"{_claims(len(asked))} through {_last(asked, tube)} cycles, {way.words}")
         outcomes = Windows(
             space, list(claims.values()), self.of.limits, watched=self.of.watched if whole else None, ends=self._ends
         ).outcomes()
@@ -421,6 +418,11 @@ class _Run:
                 f"a stream that breaks {asked.prop.name!r} leaves the tube in cycle {outside}; report this."
             )
         return broken_run(goal, asked, way.system, found)
+
+
+def _claims(number: int) -> str:
+    """Return the number of claims in words."""
+    return "1 claim" if number == 1 else f"{number} claims"
 
 
 def _last(asked: Sequence[Asked], tube: Tube) -> int:
