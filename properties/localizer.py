@@ -14,11 +14,16 @@ from functools import partial
 from safeloc.language.expr import Bool, Num, NumVar, all_of, between, exact_to
 from safeloc.language.spec import Property, always, earlier_bool, within
 from safeloc.language.units import NM
+from safeloc.models.balise import Balise
 from safeloc.models.localizer import Localizer
+from safeloc.models.reflector import ReflectorMachine
+from safeloc.models.reflector_anchor.line import Line
 from safeloc.models.vocabulary.reasons import LOCATED
+from safeloc.properties import reflector_anchor
 from safeloc.properties.arbitration import kept_in_compositions
 from safeloc.properties.behind_a_source import behind_a_source
 from safeloc.properties.localizer_heard import heard
+from safeloc.properties.reflector_anchor import Anchoring
 
 LAW = "each source's own law: odometer, readings, telegrams, echoes, satellites, fibre; top speed"
 REQUIREMENTS = ("RFL-13", "RFL-14", "MRK-2", "MRK-3")
@@ -28,7 +33,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(model: Localizer) -> list[Property]:
     """Return the properties of the position for host and trackside, and of the steps in which it changes."""
-    makers = (_host, _handed_on, _arbitrated, _responses, _trackside, heard)
+    makers = (_host, _handed_on, _arbitrated, _responses, _trackside, heard, _anchored)
     return [prop for maker in makers for prop in maker(model)]
 
 
@@ -132,6 +137,24 @@ def _trackside(model: Localizer) -> Iterator[Property]:
         requirements=REQUIREMENTS,
         unconditional=True,
         helper=lambda waited: (waited > 0).implies(~valid | (seen.num(model.uplink.own.held.age) >= waited)),
+    )
+
+
+def _anchored(model: Localizer) -> Iterator[Property]:
+    """With balises and reflectors: what the groups do to the reflector machine."""
+    if not {"balise", "reflector"} <= model.pieces.keys():
+        return
+    (groups,), (map_, source) = model.pieces["balise"].models, model.pieces["reflector"].models
+    assert isinstance(groups, Balise) and isinstance(map_, Line) and isinstance(source, ReflectorMachine)
+    whole = Anchoring(model.composition, groups, map_, source, model.motion.own.ghosts.truth, LAW)
+    yield from reflector_anchor.properties(whole)
+    contradicted = whole.of_source(source.own.contradicted)
+    yield for_all_inputs(
+        "groups that contradict withdraw what they anchored",
+        contradicted.iff(whole.disproved) & contradicted.implies(~whole.located),
+        statement="while the balise machine reports nothing because groups contradict its position, and in no other cycle, the reflector "
+        "machine is told so, and reports none either",
+        requirements=("RFL-D4", "RFL-D3"),
     )
 
 

@@ -3,7 +3,8 @@
     motion         the odometer that all of them share, and the true movement
     odometry       distance since markers read at the front and at the rear
     balise         balise groups, supervised by linking
-    reflector      radar reflectors in the view zone
+    line           no machine on board: the map's next reflector, with balises
+    reflector      radar reflectors in the view zone, anchored by the groups that the balise machine accepted
     selection, position   usable satellites, and the position along the track from them alone
     verification   the trackside's fibre position, verified against an axle counter
     downlink       brings the verified fibre position on board; its age widens it

@@ -12,6 +12,7 @@ from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.motion import MotionConfig
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.variables import ReflectorConfig
+from safeloc.models.reflector_anchor.figures import check_anchor
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.transmission import TransmissionConfig
 from safeloc.models.verification import VerificationConfig
@@ -36,7 +37,9 @@ class LocalizerConfig(Config):
     motion: MotionConfig = CHECKED
     odometry: OdometryConfig = OdometryConfig(single_fault_safe=True, tolerance_mm=45_000)
     balise: BaliseConfig = BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000)
-    reflector: ReflectorConfig = ReflectorConfig(odometer=CHECKED.reported_law, checked_distance=True)
+    reflector: ReflectorConfig = ReflectorConfig(
+        odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=BaliseConfig().last_group_identity
+    )
     satellite: SatelliteConfig = SatelliteConfig(
         period_ms=100, coast_limit_cycles=20, max_acceleration_mm_s2=CHECKED.max_acceleration_mm_s2
     )
@@ -118,6 +121,8 @@ class LocalizerConfig(Config):
                 raise ValueError(
                     f"{name} {limit} is beyond ten times tolerance_mm {self.tolerance_mm}: it tells nothing."
                 )
+        if {"balise", "reflector"} <= used.keys():
+            check_anchor(self.balise, self.reflector)
         if "fibre" in used and self.fibre.margin_limit_mm > self.downlink.margin_limit_mm:
             raise ValueError(
                 f"fibre.margin_limit_mm {self.fibre.margin_limit_mm} is beyond downlink.margin_limit_mm "

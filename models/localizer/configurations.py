@@ -14,6 +14,7 @@ ERRING = ErrorLaw(kind="wheel", constant_mm=3_000, rate_ppm=40_000, floor_mm_s=2
 """An odometer that errs at standstill, and by its rate above a speed only."""
 CHECKED = MotionConfig(odometer=ERRING, check=RADAR)
 CREEPING = MotionConfig(check=RADAR, creep_mm_s=500)
+_IDENTITIES = BaliseConfig().last_group_identity
 _DOUBTING = MotionConfig(check=RADAR, standing_believed=False)
 DRIFT = "the localizer's odometer is one that balises and reflectors take: it does not drift"
 NEVER = {
@@ -36,13 +37,15 @@ CONFIGURATIONS = Configurations(
             motion=MotionConfig(odometer=ERRING),
             odometry=OdometryConfig(first_unit=ERRING, tolerance_mm=45_000),
             balise=BaliseConfig(odometer=ERRING, tolerance_mm=45_000),
-            reflector=ReflectorConfig(odometer=ERRING),
+            reflector=ReflectorConfig(odometer=ERRING, last_balise_identity=_IDENTITIES),
         ),
         "an odometer that errs at standstill": LocalizerConfig(
             motion=CHECKED,
             odometry=OdometryConfig(first_unit=ERRING, single_fault_safe=True, tolerance_mm=45_000),
             balise=BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000),
-            reflector=ReflectorConfig(odometer=CHECKED.reported_law, checked_distance=True),
+            reflector=ReflectorConfig(
+                odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=_IDENTITIES
+            ),
         ),
         "satellites alone": LocalizerConfig(sources=("satellite",)),
         "a vehicle that may creep unmeasured": LocalizerConfig(

@@ -17,6 +17,8 @@ from safeloc.models.motion import Motion
 from safeloc.models.odometry.ghosts import Movement
 from safeloc.models.odometry.variables import parts as odometry_parts
 from safeloc.models.reflector import variables as reflecting
+from safeloc.models.reflector_anchor.line import line
+from safeloc.models.reflector_anchor.wires import anchor_wires, anchored_clauses, disproved
 from safeloc.models.satellite import variables as satellite_words
 from safeloc.models.satellite.world import REFERENCE, SELECTED
 from safeloc.models.vocabulary.absent import wired_interval
@@ -100,7 +102,27 @@ def plainly(machine: Machine) -> Stated:
     )
 
 
-def _reflector(config: LocalizerConfig, moves: Motion, _: Mapping[str, Piece]) -> Piece:
+def _reflector(config: LocalizerConfig, moves: Motion, earlier: Mapping[str, Piece]) -> Piece:
+    """Behind a balise machine it is anchored by the groups that this one accepts; else readings are inputs."""
+    if "balise" in earlier:
+        return anchored_reflector(config, moves, earlier["balise"], with_switch=False)
+    return _measuring(config, moves)
+
+
+def anchored_reflector(config: LocalizerConfig, moves: Motion, reading: Piece, *, with_switch: bool) -> Piece:
+    """Return the reflector machine behind a balise machine, with the map's line; `with_switch`: this also has the next facing switch."""
+    measuring = _measuring(config, moves)
+    (groups,), (source,) = reading.models, measuring.models
+    assert isinstance(groups, balise.Balise) and isinstance(source, reflector.ReflectorMachine)
+    map_ = line(config.balise, config.reflector, with_switch=with_switch)
+    wires = {**measuring.wires, **anchor_wires(groups, map_, source), source.own.contradicted: disproved(groups)}
+    return Piece(
+        (map_.machine, *measuring.machines), wires, measuring.stated, (*measuring.discharged, *anchored_clauses(source)), (map_, source),
+    )  # fmt: skip
+
+
+def _measuring(config: LocalizerConfig, moves: Motion) -> Piece:
+    """The reflector machine by itself."""
     seen = moves.own.ghosts
     moving = replace(
         reflecting.moving(config.reflector), truth=seen.truth, true_cycle_distance=seen.true_cycle_distance

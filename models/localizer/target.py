@@ -21,6 +21,7 @@ from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.localizer import LocalizerConfig, OwnSource
 from safeloc.models.localizer.configurations import CONFIGURATIONS
 from safeloc.models.localizer.picture import PASSED_ON, picture
+from safeloc.models.reflector_anchor.line import Line
 from safeloc.properties import arbitration as arbitration_claims
 from safeloc.properties import balise as balise_claims
 from safeloc.properties import delocalized as delocalized_claims
@@ -38,7 +39,7 @@ DOC = (
     "All ways of locating of one vehicle in one step: what those that state a position have in common, led by the one with "
     "the smallest margin; nothing where they exclude each other; and what the trackside sees of it."
 )
-SECTIONS = {"selection": "satellite", "position": "satellite", "verification": "fibre"}
+SECTIONS = {"line": "reflector", "selection": "satellite", "position": "satellite", "verification": "fibre"}
 """Machines whose figures stand in the configuration of the source that they belong to."""
 
 
@@ -57,7 +58,7 @@ def localized(model: localizer.Localizer, config: LocalizerConfig) -> Target:
 
 
 def properties_of_machines(composed: localizer.Localizer) -> dict[str, tuple[Property, ...]]:
-    """Return the properties of each machine by itself; `motion` and the satellites' position have none."""
+    """Return the properties of each machine by itself; `motion`, the map's line and the satellites' position have none."""
     config = composed.config
     guard = DelocalizedConfig(tolerance_mm=config.tolerance_mm, position_limit_mm=config.motion.position_limit_mm)
     links = [link for link in (composed.downlink, composed.uplink) if link is not None]
@@ -72,6 +73,8 @@ def _claimed(model: object) -> tuple[Machine, Sequence[Property]]:
     match model:
         case odometry.Odometry():
             return model.machine, odometry_claims.properties(model)
+        case Line():
+            return model.machine, ()
         case balise.Balise():
             return model.machine, balise_claims.properties(model)
         case reflector.ReflectorMachine():
@@ -119,6 +122,7 @@ LOCALIZER = Entry(
         "motion",
         "odometry",
         "balise",
+        "line",
         "reflector",
         "selection",
         "position",

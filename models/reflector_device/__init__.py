@@ -37,6 +37,7 @@ from safeloc.language.machine import Machine
 from safeloc.models import balise, delocalized, reflector, stop_point, travel_direction, turn_off
 from safeloc.models.localizer.sources import law_of_motion
 from safeloc.models.motion import Motion
+from safeloc.models.reflector_anchor.line import Line, Switch
 from safeloc.models.reflector_device.anchored import Anchored, anchored, judged_by
 from safeloc.models.reflector_device.branches import (
     branch,
@@ -46,7 +47,6 @@ from safeloc.models.reflector_device.branches import (
     why_not,
 )
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
-from safeloc.models.reflector_device.line import Line
 from safeloc.models.reflector_device.radar import Radar, radar
 from safeloc.models.reflector_device.starts import Starts, starts
 from safeloc.models.route import Route
@@ -74,6 +74,7 @@ class ReflectorDevice:
     motion: Motion
     groups: balise.Balise
     line: Line
+    switch: Switch
     direction: TravelDirection
     source: reflector.ReflectorMachine
     course: TurnOff
@@ -102,7 +103,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         source.own.contradicted: any_of([
             direction.machine.flag("contradicts"), located.disproved, contradicted_before(located, course, carried),
         ]),
-        **_into_course(map_, source, course),
+        **_into_course(located.switch, source, course),
         **branch_wires(located, frame, ways, course, carried),
         **_into_host(located, course, carried, behind),
         **_into_stop(restrictive, source, stop),
@@ -127,7 +128,20 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         ],
     )  # fmt: skip
     return ReflectorDevice(
-        config, whole, moves, located.groups, map_, direction, source, course, frame, ways, carried, restrictive, stop
+        config,
+        whole,
+        moves,
+        located.groups,
+        map_,
+        located.switch,
+        direction,
+        source,
+        course,
+        frame,
+        ways,
+        carried,
+        restrictive,
+        stop,
     )
 
 
@@ -147,14 +161,14 @@ def _into_host(located: Anchored, course: TurnOff, carried: Route, behind: deloc
     }
 
 
-def _into_course(map_: Line, source: reflector.ReflectorMachine, course: TurnOff) -> dict[Var, Expr]:
+def _into_course(switch: Switch, source: reflector.ReflectorMachine, course: TurnOff) -> dict[Var, Expr]:
     """Return the wires of the course: the image of the reflector behind the switch, and the interval, or the whole line without one."""
     machine, own = source.machine, course.own
-    same = map_.switch_reflector.present & machine.output("reflector_position_mm").eq(map_.switch_reflector.value)
+    same = switch.reflector.present & machine.output("reflector_position_mm").eq(switch.reflector.value)
     return {
         own.measured: machine.flag("precise") & same,
         own.lateral: machine.output("lateral_mm"),
-        **judged_by(machine, course, map_.switch_position),
+        **judged_by(machine, course, switch.position),
     }
 
 

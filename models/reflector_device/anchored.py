@@ -1,4 +1,4 @@
-"""Reflectors that are anchored by groups of balises, in wires.
+"""A vehicle whose reflectors are anchored by groups of balises: the machines that locate it, as in a localizer of these sources.
 
 motion       the odometer that all machines share, and the true movement
 balise       judges every telegram by linking and expectation window
@@ -11,32 +11,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause
-from safeloc.language.expr import Bool, Expr, Num, Optional, Var, as_num, between, ite, maximum, minimum
+from safeloc.language.expr import Bool, Expr, Optional, Var, as_num, ite, maximum, minimum
 from safeloc.language.machine import Machine
-from safeloc.language.system import canonical
 from safeloc.language.units import MM
 from safeloc.models import balise, delocalized, motion, reflector
-from safeloc.models.localizer.sources import PIECES, Piece
+from safeloc.models.localizer.sources import PIECES, Piece, anchored_reflector
 from safeloc.models.motion import Motion
-from safeloc.models.reflector.world import PRESCRIBED, READING
+from safeloc.models.reflector_anchor.line import Line, Switch
+from safeloc.models.reflector_anchor.wires import accepted, disproved, present
 from safeloc.models.reflector_device.configuration import AnchoredConfig
-from safeloc.models.reflector_device.line import Line, line
 from safeloc.models.turn_off import TurnOff
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.models.vocabulary.reasons import CONTRADICTION
 
 
 @dataclass(frozen=True, eq=False)
 class Anchored:
     """The four machines, their wires, and the clauses that machines before discharge.
 
-    measuring  the reflector machine as a source, with its statement
-    wires      of balise, line and reflector machine, but for what contradicts the reflector machine's position
+    measuring  line and reflector machine as a source, with its statement
+    wires      of balise, line and reflector machine; a composition may wire more to what contradicts the reflector machine's position
     """
 
     motion: Motion
     groups: balise.Balise
     line: Line
+    switch: Switch
     source: reflector.ReflectorMachine
     measuring: Piece
     wires: dict[Var, Expr]
@@ -45,7 +44,7 @@ class Anchored:
     @property
     def accepted(self) -> Bool:
         """The balise machine accepted the group that was read."""
-        return _counts(self.groups)
+        return accepted(self.groups)
 
     @property
     def before_the_reflectors(self) -> list[Machine]:
@@ -55,7 +54,7 @@ class Anchored:
     @property
     def disproved(self) -> Bool:
         """The balise machine withholds its position because groups contradict it: what was anchored by it is withdrawn too."""
-        return self.groups.machine.output("reason").eq(CONTRADICTION)
+        return disproved(self.groups)
 
     def into_host(self, behind: delocalized.Parts) -> dict[Var, Expr]:
         """Return the wires of the restrictive state, but for validity and reason: an accepted group and a recognised reflector end it."""
@@ -72,54 +71,14 @@ class Anchored:
 def anchored(config: AnchoredConfig) -> Anchored:
     """Build the machines of one vehicle; all share one truth."""
     moves = motion.build(motion.parts(config.motion))
-    reading, measuring = (PIECES[name](config.vehicle, moves, {}) for name in ("balise", "reflector"))
-    (groups,), (source,) = reading.models, measuring.models
+    reading = PIECES["balise"](config.vehicle, moves, {})
+    measuring = anchored_reflector(config.vehicle, moves, reading, with_switch=True)
+    (groups,), (map_, source) = reading.models, measuring.models
     assert isinstance(groups, balise.Balise) and isinstance(source, reflector.ReflectorMachine)
-    map_ = line(config)
-    wires: dict[Var, Expr] = {
-        **reading.wires,
-        **map_.telegram_wires(groups.own),
-        **measuring.wires,
-        **_anchor(groups, source),
-        **_distances(groups, map_, source),
-    }
-    of_readings = (Clause(source.machine, READING), Clause(source.machine, PRESCRIBED))
-    discharged = (*reading.discharged, *measuring.discharged, *of_readings)
-    return Anchored(moves, groups, map_, source, measuring, wires, discharged)
-
-
-def _counts(groups: balise.Balise) -> Bool:
-    """Return whether the balise machine accepted the group that was read."""
-    return groups.machine.flag("reference_accepted")
-
-
-def _anchor(groups: balise.Balise, source: reflector.ReflectorMachine) -> dict[Var, Expr]:
-    """Return the wires of a reading: an accepted group, with the balise machine's own interval at the end of the cycle."""
-    counts, given = _counts(groups), source.own.balise
-    position, below, above = wired_interval(groups.machine)
-    return {
-        **present(given.identity, counts, groups.own.memory.group),
-        **present(given.position, counts, position),
-        **present(given.accuracy, counts, maximum(below, above)),
-        given.since.present: counts,
-        given.since.value: as_num(0, MM),
-    }
-
-
-def _distances(groups: balise.Balise, map_: Line, source: reflector.ReflectorMachine) -> dict[Var, Expr]:
-    """Return the wires of the reflector's distance: counted from the position that is handed over, no longer from the group."""
-    counts, machine, given, ahead = _counts(groups), groups.machine, source.own.balise, source.own.ahead
-    position, _, _ = wired_interval(machine)
-    by_telegram = machine.output("reflector_mm") - position
-    search = machine.output("search_mm") - position
-    by_map = groups.own.memory.last_group_position + map_.reference.value - position
-    return {
-        **_within(given.reference, counts & machine.flag("reflector_known"), by_telegram),
-        **_within(given.search_from, counts & machine.flag("search_known") & (search > 0), search),
-        **_within(ahead.reference, counts & map_.reference.present, by_map),
-        ahead.position.value: map_.position.value,
-        ahead.position.present: map_.position.present,
-    }
+    assert isinstance(map_, Line) and map_.switch is not None
+    wires: dict[Var, Expr] = {**reading.wires, **measuring.wires}
+    discharged = (*reading.discharged, *measuring.discharged)
+    return Anchored(moves, groups, map_, map_.switch, source, measuring, wires, discharged)
 
 
 def judged_by(machine: Machine, course: TurnOff, switch: Optional) -> dict[Var, Expr]:
@@ -133,12 +92,3 @@ def judged_by(machine: Machine, course: TurnOff, switch: Optional) -> dict[Var, 
         own.high: high,
         **present(own.switch_position, switch.present & (switch.value > high), switch.value),
     }
-
-
-def present(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:
-    return {to.present: condition, to.value: ite(condition, value, canonical(to.value))}
-
-
-def _within(to: Optional, condition: Bool, value: Num) -> dict[Var, Expr]:
-    """Return the wires of a value that is there only if it is in the range of the input: no distance is clipped."""
-    return present(to, condition & between(to.value.low, value, to.value.high), value)

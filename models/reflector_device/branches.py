@@ -15,7 +15,8 @@ from safeloc.language.units import NM
 from safeloc.models import route
 from safeloc.models.localizer.sources import distance_of_motion
 from safeloc.models.motion import Motion
-from safeloc.models.reflector_device.anchored import Anchored, present
+from safeloc.models.reflector_anchor.wires import present
+from safeloc.models.reflector_device.anchored import Anchored
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
 from safeloc.models.reflector_device.radar import Radar
 from safeloc.models.reflector_device.starts import Starts

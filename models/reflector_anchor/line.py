@@ -1,4 +1,4 @@
-"""The line of a reflector device: the map's next reflector, and what telegram and map say of its distance from the group that is read.
+"""The line of an anchored reflector machine: the map's next reflector, and what telegram and map say of its distance from the group that is read.
 
 The machine computes nothing. It has the map's inputs, and the law on them. Of the group it reads the place that the balise
 machine keeps: a claim of that machine shows that it keeps places as telegram and linking gave them.
@@ -27,11 +27,24 @@ from safeloc.language.units import COUNT, MM
 from safeloc.language.world import Law, World
 from safeloc.models.balise.reading_world import read_rightly
 from safeloc.models.balise.telegram import Reading, Telegram, telegram
+from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.balise.variables import Parts as BaliseParts
-from safeloc.models.reflector_device.configuration import AnchoredConfig
+from safeloc.models.reflector.variables import ReflectorConfig
 
 NAME = "line"
 _SURVEY = "telegram and map have the reflector at one place"
+
+
+@dataclass(frozen=True, eq=False)
+class Switch:
+    """The map's next facing switch.
+
+    position   its place
+    reflector  place of the reflector behind it that is watched
+    """
+
+    position: Optional
+    reflector: Optional
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +53,7 @@ class Line:
 
     position   the map's next reflector
     reference  its distance from its group by the map; present for the first reflector behind a group
-    switch_position, switch_reflector  the map's next facing switch, and the reflector behind the switch that is watched
+    switch     for a vehicle that watches its course at switches
     read       the telegram as the antenna read it
     kept       the group that set the balise machine's interval last, and its place on the map, mm
     """
@@ -48,8 +61,7 @@ class Line:
     machine: Machine
     position: Optional
     reference: Optional
-    switch_position: Optional
-    switch_reflector: Optional
+    switch: Switch | None
     read: Telegram
     kept: tuple[NumVar, NumVar]
 
@@ -61,14 +73,13 @@ class Line:
         return wires | dict(zip(self.kept, (sister.memory.group, sister.memory.last_group_position), strict=True))
 
 
-def line(config: AnchoredConfig) -> Line:
-    """Build the machine with fresh inputs."""
+def line(of_groups: BaliseConfig, of_reflectors: ReflectorConfig, *, with_switch: bool) -> Line:
+    """Build the machine with fresh inputs; `with_switch`: also those of the next facing switch."""
     declared, table = Declared(), modes("KNOWN")
-    limit, reach, of_groups = config.reflector.position_limit_mm, config.reflector.range_limit_mm, config.balise
+    limit, reach = of_reflectors.position_limit_mm, of_reflectors.range_limit_mm
     position = declared.sensor(optional("next_position_mm", MM, -limit, limit))
     reference = declared.sensor(optional("next_reference_mm", MM, 0, reach))
-    switch = declared.sensor(optional("switch_position_mm", MM, -limit, limit))
-    behind = declared.sensor(optional("switch_reflector_mm", MM, -limit, limit))
+    switch = _switch(declared, limit) if with_switch else None
     read = telegram(
         declared,
         last_identity=of_groups.last_group_identity,
@@ -86,17 +97,24 @@ def line(config: AnchoredConfig) -> Line:
         modes=table,
         outputs={},
         transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-9",), 0)],
-        world=World(clauses={_SURVEY: _survey(config, position, reference, read, kept)}),
+        world=World(clauses={_SURVEY: _survey(of_reflectors, position, reference, read, kept)}),
         doc="The map's next reflector. Assumed: telegram and map give one place of it.",
     )
-    return Line(made, position, reference, switch, behind, read, kept)
+    return Line(made, position, reference, switch, read, kept)
+
+
+def _switch(declared: Declared, limit: int) -> Switch:
+    return Switch(
+        declared.sensor(optional("switch_position_mm", MM, -limit, limit)),
+        declared.sensor(optional("switch_reflector_mm", MM, -limit, limit)),
+    )
 
 
 def _survey(
-    config: AnchoredConfig, position: Optional, reference: Optional, read: Telegram, kept: tuple[NumVar, NumVar]
+    config: ReflectorConfig, position: Optional, reference: Optional, read: Telegram, kept: tuple[NumVar, NumVar]
 ) -> Law:
     group, place = kept
-    most = config.reflector.map_accuracy_mm
+    most = config.map_accuracy_mm
 
     def agrees(distance: Optional) -> Bool:
         return distance.present.implies(between(-most, place + distance.value - position.value, most))
