@@ -38,8 +38,9 @@ class LocalizerConfig(Config):
     odometry: OdometryConfig = OdometryConfig(single_fault_safe=True, tolerance_mm=45_000)
     balise: BaliseConfig = BaliseConfig(odometer=CHECKED.reported_law, checked_distance=True, tolerance_mm=45_000)
     reflector: ReflectorConfig = ReflectorConfig(
-        odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=BaliseConfig().last_group_identity
-    )
+        odometer=CHECKED.reported_law, checked_distance=True, last_balise_identity=BaliseConfig().last_group_identity,
+        reference_tolerance_mm=25_000,
+    )  # fmt: skip
     satellite: SatelliteConfig = SatelliteConfig(
         period_ms=100, coast_limit_cycles=20, max_acceleration_mm_s2=CHECKED.max_acceleration_mm_s2
     )

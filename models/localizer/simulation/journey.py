@@ -89,6 +89,8 @@ class Journey:
     dark        stretches without satellites; elsewhere `satellites` are in view, as far as the receiver has channels
     fibre       the stretch with a fibre along the track, with an axle counter at its beginning
     groups      balise groups along the route that is set, those behind the junction included
+    latched     share of telegrams that come with the distance that the odometer counted since the group
+    reflectors  reflectors, and as balises the groups from which the map has the distance to the next one
     junction    the switch at which another branch leaves that route; there is no fibre along the branch
     physics     figures of rail, wheels, map and reflected signals in place of their defaults (`PHYSICS`)
     """
@@ -103,6 +105,7 @@ class Journey:
     junction: Junction | None = None
     axles: int = 16
     length_mm: int = 60_000
+    latched: float = 0.5
     acceleration_mm_s2: int = 700
     troubles: Sequence[Fault] = ()
     physics: Mapping[str, float] = field(default_factory=dict)

@@ -16,14 +16,20 @@ from safeloc.simulation.motion import Leg
 METRO = Journey(
     legs=[Leg(0, 2), Leg(15_000, 45), Leg(0, 30)],
     markers=[(number, number * 100_000) for number in range(1, 9)],
-    groups=[Group(number, number * 150_000 - 130_000) for number in range(1, 7)],
+    groups=[
+        Group(1, 20_000, accuracy_mm=1_000), Group(2, 170_000, accuracy_mm=1_000),
+        Group(3, 320_000, accuracy_mm=1_000, reflector_mm=80_000), Group(4, 470_000, accuracy_mm=1_000), Group(5, 620_000, accuracy_mm=1_000),
+        Group(6, 770_000, accuracy_mm=1_000),
+    ],
     reflectors=Route(
-        (Balise(1, 170_000), Balise(2, 470_000)), (Reflector(250_000, "A", 80_000), Reflector(640_000, "B", 150_000))
+        (Balise(3, 320_000), Balise(5, 620_000)), (Reflector(400_000, "A", 80_000), Reflector(640_000, "B", 80_000))
     ),
     dark=[Stretch(-1_000_000, 10_000_000)],
     length_mm=40_000,
-)
-"""A metro train that runs into a station in a tunnel: markers, balises, and radar reflectors at the stopping place."""
+    latched=1.0,
+)  # fmt: skip
+"""A metro train that runs into a station in a tunnel: markers, balises, and radar reflectors at the stopping place. The telegram of the third group tells the distance
+to reflector A, and the map has those from the third and the fifth."""
 
 MAIN_LINE = Journey(
     legs=[Leg(0, 2), Leg(38_000, 90), Leg(0, 60)],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,7 @@ from safeloc.language.units import NM_PER_MM
 from safeloc.models.balise.simulation.passages import antenna_timing
 from safeloc.models.localizer.simulation.journey import SECTION_SPACING, Vehicles
 from safeloc.models.reflector.simulation.misplaced import Misplaced
+from safeloc.models.reflector.simulation.scene import Balise
 from safeloc.simulation.physics.gauss_markov import Floats
 from safeloc.simulation.physics.map_errors import REFLECTORS, SECTIONS
 from safeloc.simulation.physics.reader_timing import Way
@@ -27,11 +30,14 @@ def reflectors_err(vehicles: Vehicles) -> NDArray[np.bool_]:
     return found
 
 
-def misplaced(vehicles: Vehicles) -> Misplaced | None:
-    """Return what is not where the map has it; None if everything is."""
+def misplaced(vehicles: Vehicles, read_by_radar: Sequence[Balise]) -> Misplaced | None:
+    """Return what is not where the map has it; None if everything is.
+
+    read_by_radar  balises that the radar's machine reads itself; none where the balise machine reads them
+    """
     survey, route = vehicles.survey(REFLECTORS), vehicles.first.reflectors
     seen = sorted({one.position_mm for one in (*route.reflectors, *route.beside)})
-    balises = [one.position_mm for one in route.balises]
+    balises = [one.position_mm for one in read_by_radar]
     read = _where_read(vehicles, balises, survey.errs)
     if not survey.errs.any() and not read.any():
         return None

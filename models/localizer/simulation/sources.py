@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from safeloc.models import odometry
 from safeloc.models.balise.simulation.many import Line
 from safeloc.models.balise.simulation.many import simulate_many as simulate_balises
 from safeloc.models.balise.simulation.passages import Antenna, antenna_timing
+from safeloc.models.localizer.simulation.anchored_radars import anchored_inputs
 from safeloc.models.localizer.simulation.columns import Columns, arrays_of
 from safeloc.models.localizer.simulation.front_ends import common, fibre, links, satellite
 from safeloc.models.localizer.simulation.journey import WHEEL, Vehicles
@@ -23,6 +24,7 @@ from safeloc.models.motion.world import CHECK_LAWFUL, ODOMETER_LAWFUL
 from safeloc.models.odometry.many import faulty_unit, simulate_shared
 from safeloc.models.odometry.variables import OdometryConfig
 from safeloc.models.reflector.simulation.draws import ByPurpose
+from safeloc.models.reflector.simulation.many import sensed
 from safeloc.models.reflector.simulation.many import simulate_many as simulate_radars
 from safeloc.models.reflector.simulation.scene import KINDS, Scene
 from safeloc.simulation.many_runs import Array, ManyRuns, absent_everywhere
@@ -58,7 +60,7 @@ class Fleet:
         )
         found = self._of(common(vehicles, measured)) | self._of(links(vehicles))
         for name in vehicles.config.arbitration.sources:
-            found |= _SOURCES[name](self, measured)
+            found |= _SOURCES[name](self, measured, found)
         return ManyRuns(absent_everywhere(self.system, *vehicles.shape, but=found), self._chosen(measured, found))
 
     def _chosen(self, measured: Measured, found: Mapping[str, Array]) -> dict[str, Array]:
@@ -93,7 +95,7 @@ def _odometry_system(config: str) -> TransitionSystem:
     return lower(odometry.machine(OdometryConfig.model_validate_json(config)))
 
 
-def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
+def _odometry(fleet: Fleet, measured: Measured, _: Mapping[str, Array]) -> dict[str, Array]:
     vehicles, config = fleet.vehicles, fleet.vehicles.config.odometry
     made = simulate_shared(
         config, _odometry_system(config.model_dump_json()), vehicles.motions, vehicles.seeds, vehicles.passed_on("odometry"),
@@ -102,10 +104,18 @@ def _odometry(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     return fleet.named("odometry", made)
 
 
-def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
+def _balise(fleet: Fleet, measured: Measured, _: Mapping[str, Array]) -> dict[str, Array]:
     vehicles = fleet.vehicles
     antennas = [
-        Antenna(rng, 0, 0, 0.5, own, wrong, antenna_timing(vehicles.figures, vehicle, vehicles.seeds[vehicle]))
+        Antenna(
+            rng,
+            0,
+            0,
+            vehicles.first.latched,
+            own,
+            wrong,
+            antenna_timing(vehicles.figures, vehicle, vehicles.seeds[vehicle]),
+        )
         for vehicle, (rng, own, wrong) in enumerate(
             zip(vehicles.rngs("antenna"), vehicles.faulty_groups(), vehicles.maps, strict=True)
         )
@@ -116,23 +126,33 @@ def _balise(fleet: Fleet, measured: Measured) -> dict[str, Array]:
     return fleet.named("balise", made.inputs)
 
 
-def _reflector(fleet: Fleet, measured: Measured) -> dict[str, Array]:
-    vehicles = fleet.vehicles
-    disturbed = vehicles.passed_on("reflector")
+def _reflector(fleet: Fleet, measured: Measured, found: Mapping[str, Array]) -> dict[str, Array]:
+    vehicles, route = fleet.vehicles, fleet.vehicles.first.reflectors
+    disturbed, anchored = vehicles.passed_on("reflector"), "balise" in vehicles.config.sources
     for own in disturbed:
         KINDS.require(own, places=[""], length=vehicles.shape[0])
-    made = simulate_radars(
-        vehicles.config.reflector, Scene(vehicles.first.reflectors, pauses=0, dropout=0), vehicles.motions, measured.reported, disturbed,
-        ByPurpose(vehicles.seeds, vehicles.shape[0]), fleet.libraries, misplaced(vehicles),
-    )  # fmt: skip
-    return fleet.named("reflector", made)
+    draws = ByPurpose(vehicles.seeds, vehicles.shape[0])
+    if not anchored:
+        made = simulate_radars(
+            vehicles.config.reflector, Scene(route, pauses=0, dropout=0), vehicles.motions, measured.reported, disturbed, draws,
+            fleet.libraries, misplaced(vehicles, route.balises),
+        )  # fmt: skip
+        return fleet.named("reflector", made)
+    scene = Scene(replace(route, balises=()), pauses=0, dropout=0)
+    radars, _ = sensed(
+        vehicles.config.reflector, scene, vehicles.motions, measured.reported, disturbed, draws, misplaced(vehicles, ())
+    )
+    groups = {group.identity: group for group in (*vehicles.first.groups, *vehicles.first.passed)}
+    made = anchored_inputs(vehicles.config, route, list(groups.values()), radars, found, fleet.libraries)
+    known = {var.name for var in fleet.system.inputs}
+    return {name: values for name, values in made.items() if name in known}
 
 
-def _satellite(fleet: Fleet, _: Measured) -> dict[str, Array]:
+def _satellite(fleet: Fleet, _: Measured, __: Mapping[str, Array]) -> dict[str, Array]:
     return arrays_of(satellite(fleet.vehicles), fleet.system, fleet.vehicles.shape)
 
 
-def _fibre(fleet: Fleet, _: Measured) -> dict[str, Array]:
+def _fibre(fleet: Fleet, _: Measured, __: Mapping[str, Array]) -> dict[str, Array]:
     return arrays_of(fibre(fleet.vehicles), fleet.system, fleet.vehicles.shape)
 
 

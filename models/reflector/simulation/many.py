@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from safeloc.codegen.batch_steps import Stepped, compile_steps
-from safeloc.language.expr import NumVar
-from safeloc.language.system import TransitionSystem, canonical, lower, without_ghosts
+from safeloc.language.system import TransitionSystem, lower, without_ghosts
 from safeloc.language.units import NM_PER_MM
 from safeloc.models.reflector import machine
 from safeloc.models.reflector.simulation.draws import Draws, between
+from safeloc.models.reflector.simulation.map_ahead import TOLD, MapAhead
 from safeloc.models.reflector.simulation.misplaced import Misplaced
-from safeloc.models.reflector.simulation.radar import MODELS, Instants, Radars, empty_slots
+from safeloc.models.reflector.simulation.radar import Instants, Radars, empty_slots
 from safeloc.models.reflector.simulation.scene import Balise, Route, Scene
 from safeloc.models.reflector.variables import ReflectorConfig
 from safeloc.simulation.faults import Fault
@@ -28,8 +28,6 @@ from safeloc.simulation.many_runs import Array, absent_everywhere, through_borde
 from safeloc.simulation.motion import Motions
 from safeloc.simulation.physics.gauss_markov import Floats
 from safeloc.simulation.sensors import Distances
-
-_TOLD = ("valid", "reflector_model", "reflector_position_mm", "position_mm", "margin_below_mm")
 
 
 @lru_cache(maxsize=8)
@@ -41,7 +39,7 @@ def _with_world(config: str) -> TransitionSystem:
 @lru_cache(maxsize=8)
 def on_board(config: str, libraries: Path | None) -> Stepped:
     """Return the machine without its world, compiled once for each configuration (JSON)."""
-    return compile_steps(without_ghosts(_with_world(config)), _TOLD, folder=libraries)
+    return compile_steps(without_ghosts(_with_world(config)), TOLD, folder=libraries)
 
 
 def simulate_many(
@@ -61,23 +59,36 @@ def simulate_many(
     libraries     folder for compiled machines; None: a temporary one
     misplaced     reflectors and balises that are not where the map has them; None: all are
     """
-    made, route = config.model_dump_json(), scene.route
-    inputs = _of_vehicles(config, _with_world(made), motions, odometers)
-    beside = {} if misplaced is None else misplaced.balises
-    passed = _passed(motions, route, beside)
-    radars = Radars(config, scene, disturbances, draws, None if misplaced is None else misplaced.reflectors)
-    _sense(config, inputs, motions, route.balises, passed, radars, draws, beside)
-    if misplaced is not None:
-        misplaced.explain(config, inputs, motions.position_nm)
-    if not route.reflectors:  # the map answers nothing, so no input follows from what the machines report
+    inputs, passed = sensed(config, scene, motions, odometers, disturbances, draws, misplaced)
+    if not scene.route.reflectors:  # the map answers nothing, so no input follows from what the machines report
         return inputs
-    code = on_board(made, libraries)
+    code = on_board(config.model_dump_json(), libraries)
     runs = code.begin(through_border(code.system, {var.name: inputs[var.name] for var in code.system.inputs})[0])
-    line = _Map(route, _with_world(made), inputs)
+    line = MapAhead(scene.route, inputs)
     for cycle, balises in enumerate(passed):
         line.answer(cycle, runs.told, balises)
         runs.step(cycle)
     return inputs
+
+
+def sensed(
+    config: ReflectorConfig,
+    scene: Scene,
+    motions: Motions,
+    odometers: Distances,
+    disturbances: Sequence[Sequence[Fault]],
+    draws: Draws,
+    misplaced: Misplaced | None,
+) -> tuple[dict[str, Array], NDArray[np.int64]]:
+    """Return the inputs without the map's, and the number of the balise that is passed, -1 for none: arrays [cycle, vehicle]."""
+    inputs = _of_vehicles(config, _with_world(config.model_dump_json()), motions, odometers)
+    beside = {} if misplaced is None else misplaced.balises
+    passed = _passed(motions, scene.route, beside)
+    radars = Radars(config, scene, disturbances, draws, None if misplaced is None else misplaced.reflectors)
+    _sense(config, inputs, motions, scene.route.balises, passed, radars, draws, beside)
+    if misplaced is not None:
+        misplaced.explain(config, inputs, motions.position_nm)
+    return inputs, passed
 
 
 def _sense(
@@ -175,48 +186,3 @@ def _read_balises(
             cells["balise_search_from_mm"] = balise.search_from_mm
         for name, value in cells.items():
             inputs[name].reshape(-1)[begin + which], inputs[f"{name}.present"].reshape(-1)[begin + which] = value, True
-
-
-class _Map:
-    """The map of vehicles on one route: it answers with the next reflector beyond what each machine reports."""
-
-    def __init__(self, route: Route, system: TransitionSystem, inputs: Mapping[str, Array]) -> None:
-        reflectors = sorted(route.reflectors, key=lambda one: one.position_mm)
-        self._places = np.array([one.position_mm for one in reflectors], dtype=np.int64)
-        said = {
-            "next_position_mm": [one.position_mm for one in reflectors],
-            "next_model": [MODELS.index(one.model) for one in reflectors],
-            "next_view_from_mm": [one.view_from_mm for one in reflectors],
-            "next_view_to_mm": [one.view_to_mm for one in reflectors],
-            "next_clear_mm": [route.clear_mm(one) for one in reflectors],
-        }
-        rest = {var.name: canonical(var) for var in system.inputs if isinstance(var, NumVar)}
-        self._said = {name: np.array([*values, rest[name]], dtype=np.int64) for name, values in said.items()}
-        self._inputs = inputs
-        self._balises_mm = np.array([one.position_mm for one in route.balises], dtype=np.int64)
-        self._references = np.array([one.reference for one in route.balises], dtype=np.bool_)
-        self._ahead = np.searchsorted(self._places, self._balises_mm, side="right")
-
-    def answer(self, cycle: int, told: Mapping[str, Array], balises: NDArray[np.int64]) -> None:
-        """Write the next reflector: beyond the balise that was passed, else the target, else the reported position.
-
-        balises  numbers of those passed, -1 for none: array [vehicle]
-        """
-        reported = told["position_mm"] - told["margin_below_mm"]
-        here = np.where(told["reflector_model"] != 0, told["reflector_position_mm"], reported)
-        number = np.where(told["valid"], np.searchsorted(self._places, here, side="right"), len(self._places))
-        passed = balises >= 0
-        met = passed.any()
-        if met:
-            number = np.where(passed, self._ahead[balises], number)
-        found = number < len(self._places)
-        if not found.any():
-            return
-        for name, values in self._said.items():
-            self._inputs[name][cycle] = values[number]
-        self._inputs["next_position_mm.present"][cycle] = found
-        if met:
-            tested = found & passed & self._references[balises]
-            off = self._inputs["next_position_mm"][cycle] - self._balises_mm[balises]
-            self._inputs["next_reference_mm"][cycle][tested] = off[tested]
-            self._inputs["next_reference_mm.present"][cycle][tested] = True
