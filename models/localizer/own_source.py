@@ -30,7 +30,7 @@ from safeloc.models.vocabulary.reasons import LOCATED
 _FLAGS = ("valid", "reference_accepted")
 INTERVAL = ("position_mm", "margin_below_mm", "margin_above_mm")
 TAKEN = (
-    *SOURCES, "none", "withheld", "motion", "selection", "position", "verification", "downlink", "arbitration", "delocalized", "uplink",
+    *SOURCES, "none", "withheld", "motion", "line", "selection", "position", "verification", "downlink", "arbitration", "delocalized", "uplink",
 )  # fmt: skip
 """Names that the localizer's own machines and modes have."""
 _SHARED_LAWS = ("the vehicle never exceeds its highest speed", "the vehicle stays on the line")

@@ -136,7 +136,8 @@ def test_a_balise_of_the_radar_is_read_late_or_not_at_all() -> None:
     """Farther on by speed x latency, sooner by what the antenna is ahead; beyond every line if there is no time to read it."""
     late, ahead = {"reader_processing_ms": 20}, {"antenna_mounting_mm": 150}
     fast = {"reader_telegrams": 5, "reader_contact_mm": 10}
-    made = misplaced(vehicles(PLAIN, late, {**late, **ahead}, ahead, fast))
+    of_it = (Balise(1, 90_000),)
+    made = misplaced(vehicles(PLAIN, late, {**late, **ahead}, ahead, fast), of_it)
     assert made is not None and not made.errs.any()
     (beside,) = made.balises.values()
     plain, shifted, both, sooner, never = beside.tolist()

@@ -17,7 +17,7 @@ LEADS = {
     "metro": {"ODOMETRY", "REFLECTOR"},
     "main-line": {"ODOMETRY"},
     "freight": {"BALISE", "FIBRE"},
-    "metro-silent-odometer-corrupted-balise": {"ODOMETRY", "REFLECTOR"},
+    "metro-silent-odometer-corrupted-balise": {"ODOMETRY", "BALISE"},
     "freight-fibre-error-no-satellites": {"BALISE", "FIBRE"},
 }
 

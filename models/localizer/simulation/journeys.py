@@ -111,8 +111,10 @@ _SILENT = ("motion: silent too long", "balise: sensors failed")
 _SLIDES = ("motion: units disagree", "balise: sensors failed")
 
 
-def _metro(kind: str, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
-    return Case("metro", Fault(kind, group or "", 380, 480), fires, outcome, undetectable)
+def _metro(
+    kind: str, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "", begin: int = 380
+) -> Case:
+    return Case("metro", Fault(kind, group or "", begin, 480), fires, outcome, undetectable)
 
 
 def _main(kind: str, fires: tuple[str, ...], outcome: str, *, group: int = 0, undetectable: str = "") -> Case:
@@ -136,9 +138,10 @@ CASES: tuple[Case, ...] = (
            "balises and reflectors, which hear that odometer, withdraw; odometry goes on with the other device and radar"),
     _metro("odometer slides", (*_SLIDES, "reflector: nothing to rely on"),
            "the wheel measures a quarter too little: refused as it begins, then the radar's surplus is added to the error"),
-    _metro("radar blind", ("reflector: self-test grows too coarse",), "the radar's self-test fails: it is not used"),
-    _metro("radar shifted", ("reflector: self-test failed",),
-           "60 m too far: the self-test against the reference reflector fails, the radar is not used"),
+    _metro("radar blind", ("reflector: balise too coarse for a self-test",),
+           "no echo comes as the group is read, and later the position is too coarse to test the radar by: it is not used", begin=300),
+    _metro("radar shifted", ("reflector: self-test failed at the balise",),
+           "60 m too far: the self-test against the reference reflector fails, the radar is not used", begin=300),
     _metro("marker misplaced", ("odometry: trailing reading at rear",),
            "a marker read with its neighbour's identity lies outside the window and is refused; the rear reader's counts"),
     _metro("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; nothing is narrowed by it", group=4),

@@ -63,7 +63,8 @@ RUNS: Mapping[str, Run] = {
     ),
     "metro-silent-odometer-corrupted-balise": Run(
         replace(STATION, troubles=_SILENT_BALISE),
-        "A telegram is corrupted and the odometer is silent for 1.2 s: balises and radar withdraw, odometry goes on.",
+        "The telegram that tells the distance to the reflector is corrupted: it anchors nothing, and the radar is not used without its self-test. Then the "
+        "odometer is silent for 1.2 s: balises and the reflector machine withdraw, odometry goes on.",
     ),
     "freight-fibre-error-no-satellites": Run(
         replace(FREIGHT, troubles=_REVOKED),
