@@ -75,6 +75,7 @@ MOVED = {
     "safeloc.models.odometry.error_law": "safeloc.models.vocabulary.error_law",
     "safeloc.models.odometry_parts": "safeloc.models.odometry",
     "safeloc.models.odometry_streams": "safeloc.models.odometry.simulate",
+    "safeloc.models.reflector_device.line": "safeloc.models.reflector_anchor.line",
     "safeloc.models.reflector_parts": "safeloc.models.reflector",
     "safeloc.models.reflector_streams": "safeloc.models.reflector.simulate",
     "safeloc.models.route.recordings": "safeloc.models.route.recorded_runs",

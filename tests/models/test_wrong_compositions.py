@@ -69,6 +69,13 @@ class Wired:
         machine, _, output = name.partition(".")
         return self._machines[machine].outputs[output]
 
+    def of_input(self, name: str) -> Optional:
+        """An optional input, as the machine itself has it."""
+        machine, _, value = name.partition(".")
+        return next(
+            one for one in self._machines[machine].inputs if isinstance(one, Optional) and one.value.name == value
+        )
+
     def interval(self, machine: str) -> tuple[Num, Num, Num]:
         """Position, margin below, margin above."""
         return wired_interval(self._machines[machine])
@@ -439,11 +446,45 @@ def _zero(of: Wired, name: str) -> Lit:
     return Lit(0, var.unit)
 
 
+# ------------------------------------------------------------------ reflectors that groups anchor, in a localizer
+
+
+def _raw_telegram_anchors(of: Wired) -> Wires:
+    """Whatever the antenna read is a reading, with the balise machine's interval."""
+    read = of.of_input("balise.telegram_group")
+    return {of.to("reflector.balise.present"): read.present, of.to("reflector.balise"): read.value}
+
+
+def _narrower_side_anchors(of: Wired) -> Wires:
+    _, below, above = of.interval("balise")
+    counts = of.of("balise.reference_accepted")
+    return {of.to("reflector.balise_accuracy_mm"): ite(counts, minimum(below, above), 0)}
+
+
+def _map_counts_from_the_group(of: Wired) -> Wires:
+    """The map's distance as it stands, although it counts from the group."""
+    given, told = of.right("reflector.next_reference_mm.present"), of.of_input("line.next_reference_mm")
+    assert isinstance(given, Bool)
+    return {of.to("reflector.next_reference_mm"): ite(given, told.value, 0)}
+
+
+def _telegram_counts_from_the_group(of: Wired) -> Wires:
+    given, told = of.right("reflector.balise_reference_mm.present"), of.of_input("balise.telegram_reflector_mm")
+    assert isinstance(given, Bool)
+    return {of.to("reflector.balise_reference_mm"): ite(given, told.value, 0)}
+
+
+def _every_loss_contradicts(of: Wired) -> Wires:
+    """Each cycle in which the balise machine has no position withdraws what the reflector machine goes on with."""
+    return {of.to("reflector.route_contradicted"): ~of.of("balise.valid")}
+
+
 _ENDS = "a train is untrusted only for what is said of it"
 _LACKS = "a train is withheld only for what is missing"
 _ALL_OUT = "a train of which all axles went out has left"
 _INTERVAL, _REASON = "the host gets its source's interval", "the host is told its source's reason"
 _CONTRADICTS = "direction, route and groups contradict, and nothing else"
+_ANCHORED = "groups that contradict withdraw what they anchored"
 _REFERENCES = "arbitration hears each reference and each reason"
 WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("supervised_odometry", _wider_side_for_both, _INTERVAL),
@@ -543,6 +584,15 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ("localizer", cut("position.usable_3"), "the position hears which satellites are usable"),
     ("localizer", _no_reference_for_satellites, "satellites hear every reference"),
     ("localizer", _wider_for_the_trackside, "the trackside is sent what the host gets"),
+    ("localizer", cut("reflector.route_contradicted"), _ANCHORED),
+    ("localizer", _every_loss_contradicts, _ANCHORED),
+    ("localizer", _raw_telegram_anchors, "a rejected telegram is no reading"),
+    ("localizer", _narrower_side_anchors, "an accepted group is handed over"),
+    ("localizer", cut("reflector.balise.present"), "an accepted group is handed over"),
+    ("localizer", cut("reflector.next_position_mm.present"), "the map's next reflector is searched"),
+    ("localizer", _map_counts_from_the_group, "the map's distance is used"),
+    ("localizer", _telegram_counts_from_the_group, "the telegram's reflector distance is used"),
+    ("localizer", cut("reflector.balise_search_from_mm.present"), "the telegram's search distance is used"),
     ("localizer_sections", _wider_for_the_ends, "both ends are sent together"),
     ("localizer_sections", cut("far_uplink.sent_valid"), "both ends are sent together"),
     ("localizer_sections", cut("trackside.far_valid"), "the trackside hears both links"),
