@@ -43,18 +43,18 @@ class Anchoring:
 
     @property
     def accepted(self) -> Bool:
-        """Whether the balise machine reports a position, and the telegram of this cycle passed every check."""
+        """The balise machine reports a position, and the telegram of this cycle passed every check."""
         machine = self.groups.machine
         return self.of_groups(machine.flag("valid")) & self.of_groups_num(machine.output("telegram")).eq(ACCEPTED)
 
     @property
     def disproved(self) -> Bool:
-        """Whether the balise machine reports nothing because groups contradict its position."""
+        """The balise machine reports nothing because groups contradict its position."""
         return self.of_groups_num(self.groups.machine.output("reason")).eq(CONTRADICTION)
 
     @property
     def located(self) -> Bool:
-        """Whether the reflector machine reports a position."""
+        """The reflector machine reports a position."""
         return self.of_source(self.source.machine.flag("valid"))
 
     def of_groups(self, term: Bool) -> Bool:

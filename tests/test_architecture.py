@@ -278,6 +278,7 @@ NO_ROW_SETS_IT = {
     "models/guard/law.py": "moves of ghosts",
     "models/verification/doubted.py": "moves of ghosts",
     "models/localizer/sources.py": "wires",
+    "models/reflector_anchor/wires.py": "wires",
     "models/reflector_device/anchored.py": "wires",
     "models/reflector_device/branches.py": "wires",
     "models/localizer_sections/__init__.py": "wires",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from safeloc.models.delocalized.reported import interval_of_the_host
 from safeloc.models.localizer import LocalizerConfig
@@ -24,10 +24,19 @@ def picture(config: LocalizerConfig, says: Callable[[str], str]) -> Sources:
         PASSED_ON,
         "arbitration.lead",
         tuple(_interval(name) for name in used),
-        tuple(_BESIDE[name] for name in used if name in _BESIDE),
+        tuple(_beside(used)),
         (*refusals, *_of_the_composition()),
         says,
     )
+
+
+def _beside(used: Sequence[str]) -> Iterator[Things]:
+    """Yield what stands beside the line; with balises the map's next reflector is an input of the line."""
+    for name in used:
+        if name == "reflector" and "balise" in used:
+            yield Things(name, "line.next_position_mm", "reflector.next_model")
+        elif name in _BESIDE:
+            yield _BESIDE[name]
 
 
 def _interval(name: str) -> NamedInterval:

@@ -128,21 +128,8 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         ],
     )  # fmt: skip
     return ReflectorDevice(
-        config,
-        whole,
-        moves,
-        located.groups,
-        map_,
-        located.switch,
-        direction,
-        source,
-        course,
-        frame,
-        ways,
-        carried,
-        restrictive,
-        stop,
-    )
+        config, whole, moves, located.groups, map_, located.switch, direction, source, course, frame, ways, carried, restrictive, stop
+    )  # fmt: skip
 
 
 def _turned(groups: balise.Balise) -> Bool:
