@@ -34,7 +34,7 @@ def _beside(used: Sequence[str]) -> Iterator[Things]:
     """Yield what stands beside the line; with balises the map's next reflector is an input of the line."""
     for name in used:
         if name == "reflector" and "balise" in used:
-            yield Things(name, "line.next_position_mm", "reflector.next_model")
+            yield Things("reflector", "line.next_position_mm", "reflector.next_model")
         elif name in _BESIDE:
             yield _BESIDE[name]
 

@@ -10,7 +10,7 @@ from safeloc.language.renamed import hint
 from safeloc.language.spec import Property
 from safeloc.language.verdict import Proved
 from safeloc.proof.around.claims import Asked, written_claim
-from safeloc.proof.around.proving import General
+from safeloc.proof.around.question import General
 from safeloc.proof.cache.store import Store
 from safeloc.proof.cores.clauses import ClauseId, assumed_clauses
 from safeloc.proof.provers.limits import Limits
