@@ -1,4 +1,4 @@
-"""Whether a tube has a stream that obeys the laws: a claim about lawful streams says nothing of an empty one."""
+"""Emptiness of a tube: a claim about lawful streams says nothing where no stream obeys the laws."""
 
 from __future__ import annotations
 
