@@ -17,7 +17,7 @@ METRO = Journey(
     legs=[Leg(0, 2), Leg(15_000, 45), Leg(0, 30)],
     markers=[(number, number * 100_000) for number in range(1, 9)],
     groups=[
-        Group(1, 20_000, accuracy_mm=1_000), Group(2, 170_000, accuracy_mm=1_000),
+        Group(1, 20_000, accuracy_mm=1_000), Group(2, 170_000, accuracy_mm=1_000, reflector_mm=230_000, search_mm=140_000),
         Group(3, 320_000, accuracy_mm=1_000, reflector_mm=80_000), Group(4, 470_000, accuracy_mm=1_000), Group(5, 620_000, accuracy_mm=1_000),
         Group(6, 770_000, accuracy_mm=1_000),
     ],
@@ -28,8 +28,8 @@ METRO = Journey(
     length_mm=40_000,
     latched=1.0,
 )  # fmt: skip
-"""A metro train that runs into a station in a tunnel: markers, balises, and radar reflectors at the stopping place. The telegram of the third group tells the distance
-to reflector A, and the map has those from the third and the fifth."""
+"""A metro train that runs into a station in a tunnel: markers, balises, and radar reflectors at the stopping place. The telegrams of the second and the third group tell
+the distance to reflector A; the map has those from the third and the fifth."""
 
 MAIN_LINE = Journey(
     legs=[Leg(0, 2), Leg(38_000, 90), Leg(0, 60)],
