@@ -18,6 +18,7 @@ LEADS = {
     "main-line": {"ODOMETRY"},
     "freight": {"BALISE", "FIBRE"},
     "metro-silent-odometer-corrupted-balise": {"ODOMETRY", "BALISE"},
+    "metro-three-groups-turned": {"ODOMETRY", "BALISE"},
     "freight-fibre-error-no-satellites": {"BALISE", "FIBRE"},
 }
 

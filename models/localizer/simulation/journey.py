@@ -30,7 +30,7 @@ KINDS = Kinds(
     plain(
         "odometer silent", "odometer slides", "satellites lost", "multipath", "spoofing", "fibre miscount", "fibre error",
         "downlink silent", "uplink silent", "radar blind", "radar shifted", "marker misplaced", "balise corrupted",
-        "balise missed", "balise displaced", "other branch taken", "linking not replaced",
+        "balise missed", "balise displaced", "balise turned", "other branch taken", "linking not replaced",
     ),
 )  # fmt: skip
 """Faults act in a span of cycles; those of balises name the group. A miscount and the faults at the junction act once on a journey,
@@ -50,6 +50,7 @@ PASSED_ON: Mapping[str, Mapping[str, Fault]] = {
         "balise corrupted": Fault("corrupted"),
         "balise missed": Fault("missed"),
         "balise displaced": Fault("late"),
+        "balise turned": Fault("wrong way"),
     },
     "reflector": {"radar blind": Fault("blind"), "radar shifted": Fault("shift", figures={"by_mm": SHIFTED_MM})},
 }

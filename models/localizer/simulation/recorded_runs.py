@@ -13,6 +13,7 @@ from safeloc.models.balise.groups import Group
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.localizer.simulation.journeys import METRO
 from safeloc.models.localizer.simulation.simulate import Journey, Steps, Stretch, first_state, simulate
+from safeloc.models.reflector.simulate import Balise, Reflector, Route
 from safeloc.runtime.streams.steps import write_steps
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.motion import Leg
@@ -48,6 +49,17 @@ FREIGHT = Journey(
     length_mm=205_000,
     acceleration_mm_s2=700,
 )
+_DENSE = replace(
+    STATION,
+    legs=[Leg(0, 1), Leg(15_000, 28)],
+    groups=[
+        Group(1, 20_000, accuracy_mm=1_000), Group(2, 90_000, accuracy_mm=1_000),
+        Group(3, 160_000, accuracy_mm=1_000, reflector_mm=80_000), Group(4, 190_000, accuracy_mm=1_000),
+        Group(5, 225_000, accuracy_mm=1_000), Group(6, 260_000, accuracy_mm=1_000),
+    ],
+    reflectors=Route((Balise(3, 160_000),), (Reflector(240_000, "A", 80_000),)),
+)  # fmt: skip
+_TURNED = [Fault("balise turned", group) for group in (4, 5, 6)]
 _SILENT_BALISE = [Fault("odometer silent", "", 320, 332), Fault("balise corrupted", 3)]
 _REVOKED = [Fault("fibre error", "", 300, 310), Fault("satellites lost", "", 270, 400)]
 RUNS: Mapping[str, Run] = {
@@ -65,6 +77,11 @@ RUNS: Mapping[str, Run] = {
         replace(STATION, troubles=_SILENT_BALISE),
         "The telegram that tells the distance to the reflector is corrupted: it anchors nothing, and the radar is not used without its self-test. Then the "
         "odometer is silent for 1.2 s: balises and the reflector machine withdraw, odometry goes on.",
+    ),
+    "metro-three-groups-turned": Run(
+        replace(_DENSE, troubles=_TURNED),
+        "Three announced groups in a row are read the wrong way round, which speaks against the position: the balise machine withdraws it, and with it goes what "
+        "the radar was anchored by. Odometry goes on.",
     ),
     "freight-fibre-error-no-satellites": Run(
         replace(FREIGHT, troubles=_REVOKED),
