@@ -86,7 +86,7 @@ def _runs_ahead(earlier: Mapping[str, Value], out: Mapping[str, Value]) -> bool:
 def test_sources_lead_where_they_are_best() -> None:
     """Metro: reflector and odometry; main line: satellites, but in the tunnel balises and odometry."""
     fired = {name: set(nominal(name).fired) for name in NOMINAL}
-    assert {"arbitration: reflector leads first", "arbitration: odometry takes over"} <= fired["metro"]
+    assert {"arbitration: reflector takes over", "arbitration: odometry takes over"} <= fired["metro"]
     assert {"arbitration: satellite takes over", "arbitration: odometry takes over"} <= fired["main-line"]
     assert "downlink: report grows older" in fired["freight"]
 

@@ -147,7 +147,7 @@ CASES: tuple[Case, ...] = (
     _metro("balise corrupted", (*_BALISE_UNREAD, "balise: telegram rejected"), "rejected; nothing is narrowed by it", group=4),
     _metro("balise missed", _BALISE_UNREAD, "the margin grows until the next group", group=4),
     _metro("balise displaced", _BALISE_UNREAD, "a group that lies 140 m further is found outside its window", group=4),
-    _metro("balise turned", _BALISE_UNREAD, "a group read the wrong way round is refused; the third in a row would end the position", group=4),
+    _metro("balise turned", ("balise: group passed in the wrong direction",), "a group read the wrong way round is refused; the third in a row would end the position", group=4),
     _metro("uplink silent", ("uplink: report has become too old",), "the trackside knows nothing after a second"),
     _main("odometer silent", _SILENT, "satellites and odometry's radar go on; balises withdraw"),
     _main("odometer slides", _SLIDES, "both units' difference is added to the error; balises withdraw; satellites go on"),
