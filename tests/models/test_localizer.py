@@ -17,6 +17,7 @@ from safeloc.language.verdict import Proved
 from safeloc.models.arbitration import ArbitrationConfig
 from safeloc.models.localizer import Localizer, LocalizerConfig, SourceName, compose_machines
 from safeloc.models.odometry.variables import OdometryConfig
+from safeloc.models.reflector.world import PRESCRIBED, READING
 from safeloc.models.satellite.variables import SatelliteConfig
 from safeloc.models.satellite.world import SELECTED
 from safeloc.proof.provers.limits import Limits
@@ -105,6 +106,39 @@ def test_arbitration_is_the_one_that_is_proved_by_itself() -> None:
     whole = compose_machines(LocalizerConfig(sources=("odometry", "balise"), tolerance_mm=12_000))
     findings = prove(lower(whole.arbitration.machine), arbitration.properties(whole.arbitration), Limits())
     assert [one.id for one in findings if not isinstance(one.result, Proved)] == []
+
+
+def test_groups_anchor_the_reflectors() -> None:
+    """With balises a reading is owed, with its distance, and none of it is an input."""
+    system = compose_machines().composition.system
+    owed = {part.name: part.guaranteed for part in system.parts if part.guaranteed}
+    assert {READING, PRESCRIBED} <= set(owed["reflector"])
+    inputs = {var.name for var in system.inputs}
+    assert not {name for name in inputs if name.startswith(("reflector.balise", "line.switch"))}
+    assert not inputs & {"reflector.route_contradicted", "reflector.next_position_mm", "reflector.next_reference_mm"}
+    assert {"balise.telegram_reflector_mm", "line.next_position_mm", "line.next_reference_mm"} <= inputs
+
+
+def test_without_balises_readings_are_assumed() -> None:
+    """Nothing in such a vehicle judges them."""
+    whole = compose_machines(LocalizerConfig(sources=("odometry", "reflector")))
+    system = whole.composition.system
+    [reflectors] = [part for part in system.parts if part.name == "reflector"]
+    assert READING not in reflectors.guaranteed and PRESCRIBED not in reflectors.guaranteed
+    assert {"reflector.balise_position_mm", "reflector.next_position_mm", "reflector.route_contradicted"} <= {
+        var.name for var in system.inputs
+    }
+    assert "line" not in {machine.name for machine in whole.machines}
+
+
+def test_an_accepted_group_can_be_handed_over() -> None:
+    """Figures with which it could not are refused, where a vehicle has balises and reflectors."""
+    few = LocalizerConfig().reflector.model_copy(update={"last_balise_identity": 1_000_000})
+    with pytest.raises(
+        ValidationError, match=r"reflector\.last_balise_identity 1000000 is below balise\.last_group_identity 16777216"
+    ):
+        LocalizerConfig(reflector=few)
+    assert LocalizerConfig(sources=("odometry", "reflector"), reflector=few).reflector == few
 
 
 def test_what_is_said_of_one_vehicle_is_said_once() -> None:
