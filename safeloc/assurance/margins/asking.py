@@ -38,7 +38,7 @@ _QUICK_STEPS = 5
 """Steps of the runs of the short search."""
 _MORE_STEPS = 100
 """Steps of the runs of the search after all engines: where figures count cycles, a run that breaks a claim is longer than they are."""
-_AGAIN = 2
+_AGAIN = 4
 """Multiple of a claim's limit where a value that was not decided is asked again."""
 
 
