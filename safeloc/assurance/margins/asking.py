@@ -12,6 +12,7 @@ from safeloc.assurance.margins.moved_world import MovedWorld, in_world_of
 from safeloc.assurance.margins.rests_on import RestsOn
 from safeloc.codegen.smtlib import Query
 from safeloc.errors import InputError
+from safeloc.language.expr import FALSE
 from safeloc.language.interpret import taken
 from safeloc.language.nodes import Value
 from safeloc.language.renamed import hint
@@ -225,7 +226,9 @@ class Asking:
         moved_claims = [prop for prop in self._chosen(claims_of(self._target)) if self._may_move(prop, world)]
         if not moved_claims:
             return Answer("proved", why="no proof of a claim rests on what it moves")
-        if not world.moves and not world.ranges and self._allows_no_more(world.system):
+        if not world.moves and world.ranges_are_within and self._allows_no_more(world):
+            if self._allows_nothing(world.system):
+                return Answer("vacuous", moved_claims[0].name, "the world allows no cycle at all")
             return Answer("proved", why="the world allows nothing that it did not allow before")
         return world.system, [world.claim(prop) for prop in moved_claims]
 
@@ -238,10 +241,18 @@ class Asking:
         rests = self._rests_on.get(prop.name)
         return rests is None or rests.is_moved_by(world)
 
-    def _allows_no_more(self, system: TransitionSystem) -> bool:
+    def _allows_no_more(self, world: MovedWorld) -> bool:
         """True if the assumption implies the original one: what was proved of the original holds here too."""
+        system = world.system
         hypotheses = [in_range(system.state), environment(system)]
-        query = Query(f"{system.name}: the moved world allows no more", hypotheses, {"": self._target.system.assume})
+        original = world.before(self._target.system.assume)
+        query = Query(f"{system.name}: the moved world allows no more", hypotheses, {"": original})
+        return not unproved(query, self._limits.seconds)
+
+    def _allows_nothing(self, system: TransitionSystem) -> bool:
+        """True if no first cycle obeys the assumption."""
+        hypotheses = [in_range(system.state), system.init, environment(system)]
+        query = Query(f"{system.name}: the moved world allows no cycle", hypotheses, {"": FALSE})
         return not unproved(query, self._limits.seconds)
 
     def _chosen(self, every: Iterable[Property]) -> list[Property]:

@@ -33,6 +33,15 @@ class MovedWorld:
         """True if the world is not the original one."""
         return bool(self.clauses or self.moves or self.ranges)
 
+    @property
+    def ranges_are_within(self) -> bool:
+        """True if no variable has a value in its range that was not in its range before."""
+        return all(_within(mine, theirs) for mine, theirs in self.ranges.items())
+
+    def before(self, term: Bool) -> Bool:
+        """Return a term of the original over the variables of this world."""
+        return Substitution(self.ranges).bool(term)
+
     def claim(self, prop: Property) -> Property:
         """Return a claim of the original over the variables of this world."""
         if not self.ranges:
@@ -114,6 +123,11 @@ def _alike(var: Var, other: Var) -> bool:
     if isinstance(var, NumVar) and isinstance(other, NumVar):
         return (var.unit, var.low, var.high) == (other.unit, other.low, other.high)
     return type(var) is type(other)
+
+
+def _within(var: Var, other: Var) -> bool:
+    """Return whether the range of a variable has each value of the other's."""
+    return not isinstance(var, NumVar) or (isinstance(other, NumVar) and var.low <= other.low <= other.high <= var.high)
 
 
 def _over(system: TransitionSystem, change: Substitution, ranges: Mapping[Var, Var]) -> TransitionSystem:

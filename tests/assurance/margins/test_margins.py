@@ -117,6 +117,38 @@ def test_a_narrower_world_needs_no_proof(line: Target) -> None:
     assert found.proved_why == "the world allows nothing that it did not allow before"
 
 
+@pytest.fixture(name="ranged")
+def _ranged(tmp_path: Path) -> Target:
+    """The example with the longest stretch as the range of the true run, and a shortest one of 100 m as a law."""
+    text = EXAMPLE.read_text(encoding="utf-8")
+    text = text.replace('true_run = number("true_run_mm", MM, 0, 10_000_000)\n', "")
+    text = text.replace(
+        "    constant, tolerance =",
+        '    true_run = number("true_run_mm", MM, 0, given["stretch_mm"])\n    constant, tolerance =',
+    )
+    text = text.replace(
+        "Law(true_run <= given", "Law(true_run >= 100_000, 'None is shorter.'), 'other': Law(measured <= 10 * given"
+    )
+    (tmp_path / "ranged.py").write_text(text, encoding="utf-8")
+    return load_target(f"{tmp_path / 'ranged.py'}:machine", EXAMPLE.with_suffix(".toml"))
+
+
+def test_a_narrower_range_needs_no_proof(ranged: Target) -> None:
+    """The true run has fewer values, each of which was proved before; with more values a claim is asked, and a run breaks it."""
+    asking = Asking(ranged, "world", LIMITS)
+    shorter = asking.answer({"stretch_mm": 299_999})
+    assert ("proved", "the world allows nothing that it did not allow before") == (shorter.end, shorter.why)
+    assert asking.answer({"stretch_mm": 470_000}) == Answer("proved")
+    assert asking.answer({"stretch_mm": 470_001}).end == "broken"
+
+
+def test_a_world_that_allows_no_cycle_is_no_margin(ranged: Target) -> None:
+    """A true run of 100 m at least has no value in a range up to less: every claim would hold, and say nothing."""
+    found = limit_of(ranged, "stretch_mm", "down", "world")
+    assert (100_000, 99_999) == (found.holds_to, found.beyond)
+    assert ("vacuous", "the world allows no cycle at all") == (found.end.end, found.end.why)
+
+
 @pytest.mark.thorough
 def test_the_front_of_two_figures(line: Target) -> None:
     """Each point is the other figure's limit, and the more one takes, the less is left to the other."""
