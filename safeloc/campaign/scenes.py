@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -216,7 +217,11 @@ def _check_fault(campaign: Campaign, fault: FaultDraw, place: Sequence[str | int
     kinds = simulation.kinds
     if fault.where not in kinds:
         known = ", ".join(str(one) for one in kinds if one != "") or "none"
-        raise campaign.refuse((*place, "where"), f"nothing named {fault.where!r} can be faulty; there are {known}.")
+        meant = [f" Write where = {json.dumps(one)}." for one in kinds if one != "" and str(one) == str(fault.where)]
+        hint = "".join(meant)
+        raise campaign.refuse(
+            (*place, "where"), f"nothing named {fault.where!r} can be faulty; there are {known}.{hint}"
+        )
     figures = {name: _first(one) for name, one in fault.figures.items()}
     try:
         kinds[fault.where].require([Fault(fault.kind, fault.where, figures=figures)])

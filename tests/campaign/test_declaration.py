@@ -86,3 +86,10 @@ def test_a_fault_that_takes_no_time_is_refused_with_one() -> None:
     text = ON_VALLEY.replace('"odometry"', '"balise"').replace('"front_wheel"', "3").replace('"slide"', '"late"')
     with pytest.raises(InputError, match=r"c\.toml:26: .*begin: a fault of 3 acts for the whole run; leave begin out"):
         check_strata(parse_campaign(text, "c.toml"))
+
+
+def test_a_number_in_quotes_is_no_group() -> None:
+    """Groups have numbers; the message says how to write one."""
+    text = ON_VALLEY.replace('"odometry"', '"balise"').replace('"front_wheel"', '"3"').replace('"slide"', '"late"')
+    with pytest.raises(InputError, match=r"c\.toml:25: .*nothing named '3' can be faulty; .* Write where = 3\.$"):
+        check_strata(parse_campaign(text, "c.toml"))
