@@ -263,10 +263,14 @@ def test_own_machine_is_verified(installed: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_source_of_ones_own_is_verified(installed: Path, tmp_path: Path) -> None:
-    """The beacons of docs/localizer.md outside of the repository: their contract, and the localizer with them alone."""
+    """The beacons of docs/localizer.md outside of the repository: their contract, the localizer with them alone, and beside its own sources."""
     shutil.copy(ROOT / "docs" / "examples" / "beacons.py", tmp_path)
-    for kind in ("contract", "alone"):
-        code, printed = called(installed, tmp_path, "prove", f"{kind}+beacons.py:source")
+    for asked in (
+        ["contract+beacons.py:source"],
+        ["alone+beacons.py:source"],
+        ["localizer", "--source", "beacons.py:source"],
+    ):
+        code, printed = called(installed, tmp_path, "prove", *asked)
         assert code == 0, printed
         assert "all holds" in printed
 
@@ -285,7 +289,7 @@ def test_wrong_guard_is_shown(installed: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("template", ["machine", "composition"])
+@pytest.mark.parametrize("template", ["machine", "composition", "source"])
 def test_a_new_project_is_verified(installed: Path, tmp_path: Path, template: str) -> None:
     """`safeloc init` of the installed wheel: `make verify` finds that all holds, `make quick` says what was not asked."""
     code, printed = called(installed, tmp_path, "init", "my-train", "--template", template)
