@@ -265,12 +265,9 @@ def test_own_machine_is_verified(installed: Path, tmp_path: Path) -> None:
 def test_a_source_of_ones_own_is_verified(installed: Path, tmp_path: Path) -> None:
     """The beacons of docs/localizer.md outside of the repository: their contract, the localizer with them alone, and beside its own sources."""
     shutil.copy(ROOT / "docs" / "examples" / "beacons.py", tmp_path)
-    for asked in (
-        ["contract+beacons.py:source"],
-        ["alone+beacons.py:source"],
-        ["localizer", "--source", "beacons.py:source"],
-    ):
-        code, printed = called(installed, tmp_path, "prove", *asked)
+    beside = ["verify", "localizer", "--source", "beacons.py:source", "--out", "report"]
+    for asked in (["prove", "contract+beacons.py:source"], ["prove", "alone+beacons.py:source"], beside):
+        code, printed = called(installed, tmp_path, *asked)
         assert code == 0, printed
         assert "all holds" in printed
 

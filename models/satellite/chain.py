@@ -52,9 +52,8 @@ from safeloc.sensing.satellite.almanac import Almanac
 from safeloc.sensing.satellite.channels import Channels, ChannelValues, Received, differences
 from safeloc.sensing.satellite.confirmation import refuted
 from safeloc.sensing.satellite.epochs import Epoch
-from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
-from safeloc.sensing.satellite.residuals import Kept
+from safeloc.sensing.satellite.residuals import Kept, Sky
 from safeloc.sensing.satellite.solution import Bounds, Look, Solution, Weighting, solve
 from safeloc.sensing.satellite.track_fit import NoSolution
 
@@ -152,6 +151,7 @@ def _programs(figures: str) -> tuple[Compiled, Compiled]:
 class EpochChain:
     """The on-board system: receiver channels, memory with almanac, ephemerides and map, and the machine (SAT-6).
 
+    sky      ephemerides (`read_navigation`), or states that came with corrected ranges (`CorrectedSky`)
     almanac  None: there is none, as before the receiver has collected it
     solver   is checked in every cycle, so nothing is trusted of it
     """
@@ -159,13 +159,13 @@ class EpochChain:
     def __init__(
         self,
         config: ChainConfig,
-        navigation: Navigation,
+        sky: Sky,
         track: Track,
         almanac: Almanac | None = None,
         solver: Solver = solve,
     ) -> None:
         self.config = config
-        self._navigation, self._track, self._almanac, self._solver = navigation, track, almanac, solver
+        self._sky, self._track, self._almanac, self._solver = sky, track, almanac, solver
         self._code, self._select = _programs(config.satellite.model_dump_json())
         self._state, self._selected = self._code.first(), self._select.first()
         self._channels = Channels(config.satellite.selection.channels, config.window_epochs)
@@ -218,10 +218,10 @@ class EpochChain:
             return Sighting("TWO_PORTIONS")
         if self._due_s is None:
             try:
-                self._due_s = true_time_s(epoch, predicted, portions, self._navigation)
+                self._due_s = true_time_s(epoch, predicted, portions, self._sky)
             except InputError:
                 return Sighting("NO_PREDICTION")
-        return sighted(epoch, predicted, portions, self._due_s, self._navigation, kept)
+        return sighted(epoch, predicted, portions, self._due_s, self._sky, kept)
 
     def _of_usable(
         self, epoch: Epoch | None, predicted: Ahead | None, seen: Sighting, usable: frozenset[str], kept: Kept
@@ -236,18 +236,18 @@ class EpochChain:
         alone = epoch.only(usable)
         try:
             if not self._timed:
-                self._due_s, self._timed = true_time_s(alone, predicted, seen.portions, self._navigation), True
-            return sighted(alone, predicted, seen.portions, self._due_s, self._navigation, kept)
+                self._due_s, self._timed = true_time_s(alone, predicted, seen.portions, self._sky), True
+            return sighted(alone, predicted, seen.portions, self._due_s, self._sky, kept)
         except InputError:
             return Sighting("NO_PREDICTION")
 
     def _received(self, epoch: Epoch | None, seen: Sighting) -> Received:
         """Every satellite of the epoch above the mask is visible (LSV)."""
         names = frozenset() if epoch is None else frozenset(epoch.satellites)
+        predictable = frozenset() if epoch is None else frozenset(self._sky.signals(epoch))
         low = frozenset().union(*(look.low for look in seen.residuals))
         at_s = 0.0 if epoch is None else epoch.time_s
-        valid = frozenset(name for name in names if self._navigation.valid(name, at_s) is not None)
-        received = self._channels.hear(names - low, valid - low, seen.residuals)
+        received = self._channels.hear(names - low, predictable - low, seen.residuals)
         return replace(received, inputs={**received.inputs, **self._by_almanac(received, seen, at_s)})
 
     def _by_almanac(self, received: Received, seen: Sighting, at_s: float) -> ChannelValues:

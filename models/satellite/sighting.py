@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from safeloc.errors import InputError
 from safeloc.models.satellite.ahead import Ahead
 from safeloc.sensing.satellite.epochs import Epoch
-from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place
-from safeloc.sensing.satellite.residuals import Kept, Residuals, residuals
+from safeloc.sensing.satellite.residuals import Kept, Residuals, Sky, residuals
 from safeloc.sensing.satellite.track_prediction import OnTrack, Portion, on_portion
 
 Track = Callable[[float, float], Sequence[Portion]]
@@ -36,28 +35,26 @@ class Sighting:
     offset_s: float = 0.0
 
 
-def sighted(
-    epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], due_s: float, navigation: Navigation, kept: Kept
-) -> Sighting:
+def sighted(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], due_s: float, sky: Sky, kept: Kept) -> Sighting:
     """Return the residuals of an epoch at the places that E*(t) predicts on the portions; a state off the map gives none."""
     state = ahead.at(epoch.time_s - due_s)
     try:
         places = on_portion(state, portions)
     except InputError:
         return Sighting("NO_PREDICTION")
-    found = [residuals(epoch, _place(one), one.velocity_m_per_s, navigation, kept) for one in places]
+    found = [residuals(epoch, _place(one), one.velocity_m_per_s, sky, kept) for one in places]
     offset_s = epoch.time_s - found[0].clock_s - due_s
     return Sighting("", tuple(found), tuple(places), tuple(portions), ahead.at(offset_s).distance_m, offset_s)
 
 
-def true_time_s(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], navigation: Navigation) -> float:
+def true_time_s(epoch: Epoch, ahead: Ahead, portions: Sequence[Portion], sky: Sky) -> float:
     """Return the time at which an epoch was measured, without the receiver's clock error, for a vehicle near its
     predicted place.
 
     InputError where the prediction is off the map.
     """
     place = on_portion(ahead.at(0.0), portions)[0]
-    return epoch.time_s - residuals(epoch, _place(place), (0.0, 0.0, 0.0), navigation).clock_s
+    return epoch.time_s - residuals(epoch, _place(place), (0.0, 0.0, 0.0), sky).clock_s
 
 
 def _place(one: OnTrack) -> Place:

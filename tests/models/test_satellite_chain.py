@@ -21,11 +21,15 @@ from safeloc.railway.map.routes import through_routes
 from safeloc.railway.map.toml_files import find_line
 from safeloc.railway.map.topology import Topology
 from safeloc.runtime.border import Reason
+from safeloc.sensing.satellite.corrected import CorrectedEpoch, CorrectedSky
 from safeloc.sensing.satellite.epochs import Epoch, Measured, Row, received
+from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
 from safeloc.sensing.satellite.line_track import LineTrack
 from safeloc.sensing.satellite.navigation import Navigation, read_navigation
 from safeloc.sensing.satellite.observations import read_observations
+from safeloc.sensing.satellite.orbits import satellite_state
 from safeloc.sensing.satellite.places import Place
+from safeloc.sensing.satellite.predicted import predicted_of_state
 from safeloc.sensing.satellite.track_prediction import Portion
 from safeloc.simulation.satellite.almanacs import broadcast_almanac
 from safeloc.simulation.satellite.run import SimulatedRun, World, simulate
@@ -35,6 +39,7 @@ from tests.simulation.satellite.sky import ride, sky, straight
 SELECTION = SelectionConfig(channels=28)
 CONFIG = ChainConfig(satellite=SatelliteConfig(selection=SELECTION), window_epochs=2)
 TRACK = straight()
+STILL = (0.0, 0.0, 0.0)
 
 
 @cache
@@ -99,6 +104,38 @@ def test_solutions_are_near_the_truth() -> None:
     for outcome, truth in zip(outcomes()[4:], driven_run().truth[4:], strict=True):
         assert abs(int(outcome.inputs["position.fix_mm"]) - truth.place_m * 1_000) < 4_000
         assert abs(int(outcome.inputs["position.fix_speed_um_s"]) / 1e6 - truth.speed_m_per_s) < 0.3
+
+
+def corrected(epoch: Epoch, place: Place) -> CorrectedEpoch:
+    """What a program delivers that corrects an epoch of the simulated sky, near this place, and tells where the satellites are."""
+    measured, states = {}, {}
+    for name, signal in sky().signals(epoch).items():
+        ephemeris = sky().valid(name, epoch.time_s)
+        assert ephemeris is not None
+        code, rate = epoch.satellites[name].code(), epoch.satellites[name].rate()
+        full = satellite_state(ephemeris, epoch.time_s - code / LIGHT_M_PER_S)
+        states[name] = replace(full, clock_s=0.0, clock_drift=0.0)
+        whole, bare = signal(epoch.time_s, place, STILL), predicted_of_state(states[name], place, STILL)
+        clock_rate = whole.rate_m_per_s - bare.rate_m_per_s
+        measured[name] = Measured(code - (whole.pseudorange_m - bare.pseudorange_m), rate - clock_rate)
+    return CorrectedEpoch(Epoch(epoch.time_s, measured), states)
+
+
+def test_corrected_ranges_locate_without_ephemerides() -> None:
+    """The same drive from corrected ranges and places of satellites: the same satellites are usable, and the place is the same to 0.2 m."""
+    points = [Place.of_earth_fixed(TRACK.at(truth.place_m)[0]) for truth in driven_run().truth]
+    epochs = [corrected(epoch, point) for epoch, point in zip(driven_run().epochs, points, strict=True)]
+    one = EpochChain(CONFIG, CorrectedSky(epochs), lambda low_m, high_m: (TRACK,))
+    found = driven(one, [each.epoch for each in epochs], start(driven_run()))
+    assert [one.usable for one in found] == [one.usable for one in outcomes()]
+    for outcome, known, truth in zip(found, outcomes(), driven_run().truth, strict=True):
+        position, below, above = (
+            int(outcome.outputs[f"position.{name}_mm"]) for name in ("position", "margin_below", "margin_above")
+        )
+        assert outcome.outputs["position.valid"]
+        assert position - below <= truth.place_m * 1_000 <= position + above
+        assert abs(position - int(known.outputs["position.position_mm"])) < 200
+    assert {"ACCEPTED"} == {fix(one) for one in found[4:]}
 
 
 def test_no_healthy_satellite_is_excluded() -> None:

@@ -18,6 +18,7 @@ import csv
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 
@@ -28,8 +29,7 @@ from safeloc.sensing.satellite.epochs import Epoch, Measured, in_order
 from safeloc.sensing.satellite.log_lines import decimal, log_lines
 from safeloc.sensing.satellite.orbits import SatelliteState
 from safeloc.sensing.satellite.places import Place, Vector
-from safeloc.sensing.satellite.predicted import Predicted, predicted_of_state
-from safeloc.sensing.satellite.residuals import Residuals, compared
+from safeloc.sensing.satellite.predicted import Predicted, Signal, predicted_of_state
 
 PLACE, VELOCITY = ("x_m", "y_m", "z_m"), ("vx_m_per_s", "vy_m_per_s", "vz_m_per_s")
 COLUMNS = ("time_s", "satellite", "pseudorange_m", "rate_m_per_s", *PLACE, *VELOCITY)
@@ -56,13 +56,27 @@ def read_corrected(path: Path) -> list[CorrectedEpoch]:
         return found
 
 
-def corrected_residuals(one: CorrectedEpoch, place: Place, velocity_m_per_s: Vector) -> Residuals:
-    """Return residuals from the estimated state E*(t), as `safeloc.sensing.satellite.residuals` does with ephemerides (SAT-1)."""
+@dataclass(frozen=True)
+class CorrectedSky:
+    """Predicts the signals of epochs from the states that came with them, in place of ephemerides."""
 
-    def predict(name: str, _time_s: float, at: Place) -> Predicted:
-        return predicted_of_state(one.states[name], at, velocity_m_per_s)
+    epochs: Sequence[CorrectedEpoch]
 
-    return compared(one.epoch, place, velocity_m_per_s, one.states.keys(), predict)
+    def signals(self, epoch: Epoch) -> dict[str, Signal]:
+        """Return how the signal of each satellite of an epoch is predicted that has a state at the epoch's time."""
+        states = self._states.get(epoch.time_s, {})
+        return {name: _signal(states[name]) for name in epoch.satellites if name in states}
+
+    @cached_property
+    def _states(self) -> dict[float, Mapping[str, SatelliteState]]:
+        return {one.epoch.time_s: one.states for one in self.epochs}
+
+
+def _signal(state: SatelliteState) -> Signal:
+    def signal(_time_s: float, place: Place, velocity_m_per_s: Vector) -> Predicted:
+        return predicted_of_state(state, place, velocity_m_per_s)
+
+    return signal
 
 
 def _rows(reader: Iterator[Sequence[str]], path: Path) -> Iterator[tuple[int, _Cells]]:

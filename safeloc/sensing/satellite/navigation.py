@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 from safeloc.errors import InputError, StreamError
 from safeloc.runtime.outside import reading_file
 from safeloc.sensing.satellite.atmosphere import Four, Klobuchar
 from safeloc.sensing.satellite.ephemeris import FIT_HOURS, Ephemeris, usable
+from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.log_lines import decimal, integer, log_lines
+from safeloc.sensing.satellite.predicted import Signal, predicted
 from safeloc.sensing.satellite.times import gps_seconds, of_week
 
 _LINES = {"G": 8, "E": 8, "C": 8, "J": 8, "I": 8, "R": 4, "S": 4}
@@ -33,6 +35,11 @@ class Navigation:
     def valid(self, satellite: str, time_s: float) -> Ephemeris | None:
         """Return the valid ephemeris nearest in time; None, and so no prediction, if all have expired (SAT-D1)."""
         return usable(self._of.get(satellite, ()), satellite, time_s)
+
+    def signals(self, epoch: Epoch) -> dict[str, Signal]:
+        """Return how the signal of each satellite of an epoch with a valid ephemeris is predicted."""
+        found = ((name, self.valid(name, epoch.time_s)) for name in epoch.satellites)
+        return {name: partial(predicted, one, ionosphere=self.ionosphere) for name, one in found if one is not None}
 
     @cached_property
     def _of(self) -> dict[str, list[Ephemeris]]:

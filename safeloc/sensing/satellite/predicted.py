@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from safeloc.errors import InputError
 from safeloc.sensing.satellite.atmosphere import Klobuchar, troposphere_m
@@ -25,6 +26,10 @@ class Predicted:
     rate_m_per_s: float
     direction: Vector
     elevation_rad: float
+
+
+Signal: TypeAlias = Callable[[float, Place, Vector], Predicted]
+"""From time of reception (GPS seconds, without the clock's error), place and velocity (m/s) of the antenna to the signal of a satellite."""
 
 
 def rate_of_doppler(doppler_hz: float, wavelength_m: float = L1_WAVELENGTH_M) -> float:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 from safeloc.sensing.satellite.clock import common_part, constellations, of_constellation, without_clock
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
-from safeloc.sensing.satellite.navigation import Navigation
 from safeloc.sensing.satellite.places import Place, Vector
-from safeloc.sensing.satellite.predicted import Predicted, predicted
+from safeloc.sensing.satellite.predicted import Predicted, Signal
 
 MASK_RAD = math.radians(10)
 """No prediction below this elevation, since the simple troposphere has errors of metres there."""
@@ -35,37 +34,27 @@ class Residuals:
     clock_s: float
 
 
-Predict: TypeAlias = Callable[[str, float, Place], Predicted]
-"""From satellite, time of reception (GPS seconds) and place of the antenna to its signal."""
+class Sky(Protocol):
+    """What predicts signals: ephemerides (`Navigation`), or states that came with the ranges (`CorrectedSky`)."""
+
+    def signals(self, epoch: Epoch) -> Mapping[str, Signal]:
+        """Return how the signal of each satellite of an epoch is predicted, as far as it can be."""
+        ...
+
+
 Kept: TypeAlias = dict[tuple[str, float, Place, Vector], Predicted]
 """Predictions of one cycle by satellite, time of reception, place and velocity: each is made once, however often the sky is looked at."""
 
 
-def residuals(
-    epoch: Epoch, place: Place, velocity_m_per_s: Vector, navigation: Navigation, kept: Kept | None = None
-) -> Residuals:
+def residuals(epoch: Epoch, place: Place, velocity_m_per_s: Vector, sky: Sky, kept: Kept | None = None) -> Residuals:
     """Return residuals from the estimated state E*(t) at the receiver's time (SAT-1).
 
     The clock of each constellation is estimated separately. A value that was not measured has no residual.
 
     kept   predictions that another look at the same sky made, and where to keep those of this one
     """
-    found = {name: navigation.valid(name, epoch.time_s) for name in epoch.satellites}
-    valid = {name: one for name, one in found.items() if one is not None}
-    known: Kept = {} if kept is None else kept
-
-    def predict(name: str, time_s: float, at: Place) -> Predicted:
-        key = (name, time_s, at, velocity_m_per_s)
-        if key not in known:
-            known[key] = predicted(valid[name], time_s, at, velocity_m_per_s, navigation.ionosphere)
-        return known[key]
-
-    return compared(epoch, place, velocity_m_per_s, valid.keys(), predict)
-
-
-def compared(epoch: Epoch, place: Place, velocity_m_per_s: Vector, known: Set[str], predict: Predict) -> Residuals:
-    """Return residuals of the satellites that are known, each predicted by this function."""
-    satellites = _Satellites(epoch, known, place, velocity_m_per_s, predict)
+    signals = sky.signals(epoch)
+    satellites = _Satellites(epoch, signals, place, velocity_m_per_s, {} if kept is None else kept)
     every, clock_s = satellites.expected(0.0), 0.0
     codes = satellites.codes(_above_mask(every), clock_s)
     if codes:
@@ -76,7 +65,7 @@ def compared(epoch: Epoch, place: Place, velocity_m_per_s: Vector, known: Set[st
         else:
             codes = satellites.codes(_above_mask(every), clock_s)
     seen = _above_mask(every)
-    expired, low = frozenset(epoch.satellites) - known, every.keys() - seen.keys()
+    expired, low = frozenset(epoch.satellites) - signals.keys(), every.keys() - seen.keys()
     rates = without_clock(satellites.rates(seen))
     return Residuals(without_clock(codes), rates, seen, expired, frozenset(low), clock_s)
 
@@ -90,16 +79,22 @@ class _Satellites:
     """One epoch's satellites whose signals can be predicted, and the state for which they are."""
 
     epoch: Epoch
-    known: Set[str]
+    signals: Mapping[str, Signal]
     place: Place
     velocity_m_per_s: Vector
-    predict: Predict
+    kept: Kept
 
     def expected(self, clock_s: float) -> dict[str, Predicted]:
         """Return the predictions for the receiver's time minus this clock error, with the vehicle moved accordingly."""
         place = self.place if clock_s == 0 else self._moved(-clock_s)
         at = self.epoch.time_s - clock_s
-        return {name: self.predict(name, at, place) for name in self.epoch.satellites if name in self.known}
+        return {name: self._signal(name, at, place) for name in self.epoch.satellites if name in self.signals}
+
+    def _signal(self, name: str, time_s: float, place: Place) -> Predicted:
+        key = (name, time_s, place, self.velocity_m_per_s)
+        if key not in self.kept:
+            self.kept[key] = self.signals[name](time_s, place, self.velocity_m_per_s)
+        return self.kept[key]
 
     def _moved(self, seconds: float) -> Place:
         x, y, z = self.place.earth_fixed_m()

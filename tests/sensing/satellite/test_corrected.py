@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import InputError, StreamError
-from safeloc.sensing.satellite.corrected import COLUMNS, PLACE, VELOCITY, corrected_residuals, read_corrected
+from safeloc.sensing.satellite.corrected import COLUMNS, PLACE, VELOCITY, CorrectedSky, read_corrected
 from safeloc.sensing.satellite.epochs import Epoch
 from safeloc.sensing.satellite.figures import LIGHT_M_PER_S
 from safeloc.sensing.satellite.navigation import Navigation, read_navigation
@@ -70,7 +70,8 @@ def test_corrected_ranges_give_the_residuals_of_the_ephemerides(tmp_path: Path) 
     navigation = read_navigation(data_file("gnss_septentrio/base.nav"))
     epoch = read_observations(data_file("gnss_septentrio/rover.obs"))[0]
     [one] = read_corrected(written(tmp_path, *corrected_of(epoch, navigation)))
-    found, expected = corrected_residuals(one, SURVEYED, STILL), residuals(epoch, SURVEYED, STILL, navigation)
+    found = residuals(one.epoch, SURVEYED, STILL, CorrectedSky([one]))
+    expected = residuals(epoch, SURVEYED, STILL, navigation)
     assert found.pseudorange_m.keys() == expected.pseudorange_m.keys() and len(found.pseudorange_m) > 10
     for name, value in expected.pseudorange_m.items():
         assert value == pytest.approx(found.pseudorange_m[name], abs=0.01), name
@@ -102,10 +103,21 @@ def test_a_kilometre_away_shows(tmp_path: Path) -> None:
     epoch = read_observations(data_file("gnss_septentrio/rover.obs"))[0]
     [one] = read_corrected(written(tmp_path, *corrected_of(epoch, navigation)))
     away = SURVEYED.degrees(35.1437, 136.9776, 104.9)
-    assert max(abs(value) for value in corrected_residuals(one, away, STILL).pseudorange_m.values()) > 200
-    assert max(abs(value) for value in corrected_residuals(one, SURVEYED, (9.0, 9.0, 9.0)).rate_m_per_s.values()) > 3
+    sky = CorrectedSky([one])
+    assert max(abs(value) for value in residuals(one.epoch, away, STILL, sky).pseudorange_m.values()) > 200
+    assert max(abs(value) for value in residuals(one.epoch, SURVEYED, (9.0, 9.0, 9.0), sky).rate_m_per_s.values()) > 3
     with pytest.raises(InputError, match="velocity is not finite"):
-        corrected_residuals(one, SURVEYED, (float("nan"), 0.0, 0.0))
+        residuals(one.epoch, SURVEYED, (float("nan"), 0.0, 0.0), sky)
+
+
+def test_an_epoch_without_states_is_not_predicted(tmp_path: Path) -> None:
+    """States belong to the epoch they came with: of another one nothing is known, nor of a satellite that has none."""
+    [one] = read_corrected(written(tmp_path, GOOD))
+    sky = CorrectedSky([one])
+    later = Epoch(one.epoch.time_s + 0.2, one.epoch.satellites)
+    more = Epoch(one.epoch.time_s, {**one.epoch.satellites, "E11": one.epoch.satellites["G05"]})
+    assert (["G05"], [], ["G05"]) == tuple(list(sky.signals(epoch)) for epoch in (one.epoch, later, more))
+    assert residuals(later, SURVEYED, STILL, sky).expired == {"G05"}
 
 
 def test_rows_of_one_time_are_an_epoch(tmp_path: Path) -> None:
