@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
-from hypothesis import example, given
+import pytest
+from hypothesis import example as drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from safeloc.language.units import PPM_PER_ONE
 from safeloc.models.vocabulary.error_law import ErrorLaw
 from safeloc.models.vocabulary.reading_rates import ReadingRates
+from tests.runtime.embedding.test_shown import DOCS, example
 
 WHEEL = ErrorLaw(kind="wheel", constant_mm=0, rate_ppm=0, floor_mm_s=7)
 PERIOD_MS = 100
@@ -19,8 +23,8 @@ CYCLES = st.lists(st.tuples(st.integers(-4_000, 4_000), st.fractions(0, 1, max_d
 
 
 @given(RATES, CYCLES)
-@example(ReadingRates(under_ppm=100_000, over_ppm=0), [(1, Fraction(1))] * 60)
-@example(ReadingRates(under_ppm=0, over_ppm=100_000), [(3, Fraction(0)), (-2, Fraction(1))] * 30)
+@drawn(ReadingRates(under_ppm=100_000, over_ppm=0), [(1, Fraction(1))] * 60)
+@drawn(ReadingRates(under_ppm=0, over_ppm=100_000), [(3, Fraction(0)), (-2, Fraction(1))] * 30)
 def test_corrected_distances_keep_the_symmetric_law(rates: ReadingRates, cycles: list[tuple[int, Fraction]]) -> None:
     """In exact numbers: between any two cycles the error is within rate, floor and, once, the constant."""
     law, correction = rates.law(WHEEL, PERIOD_MS), rates.correction()
@@ -53,3 +57,25 @@ def test_equal_rates_change_nothing_but_the_rounding_that_they_do_not_need() -> 
     equal, uneven = ReadingRates().correction(), ReadingRates(under_ppm=1, over_ppm=0).correction()
     assert list(range(-50, 50)) == [equal.distance_mm(measured) for measured in range(-50, 50)]
     assert abs(sum(uneven.distance_mm(1_000) for _ in range(4_000)) - 4_000_002) <= 1
+
+
+def test_the_page_tells_what_its_code_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/howto/odometer.md, line by line."""
+    text = (DOCS / "howto" / "odometer.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    exec(compile(code, "odometer.md", "exec"), {})
+    assert capsys.readouterr().out.splitlines() == ["57693 5001 1", "[1914, 1913, 1914]"]
+    assert all(printed in code for printed in ("57693 5001 1", "[1914, 1913, 1914]"))
+
+
+def test_the_example_holds_the_truth_in_a_narrower_interval() -> None:
+    """Of the same journey, with both rates and with the greater one; the page has the widths."""
+    journey = example("uneven_odometer").journey
+    widths = []
+    for corrected in (True, False):
+        run = list(journey(corrected=corrected))
+        assert all(told is not None and told.holds(truth_mm) for truth_mm, told in run)
+        widths.append(max(told.high_mm - told.low_mm for _, told in run))
+    assert [33_129, 44_195] == widths
+    text = (DOCS / "howto" / "odometer.md").read_text(encoding="utf-8")
+    assert "33.1 m wide" in text and "gives 44.2 m" in text

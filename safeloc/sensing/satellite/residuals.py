@@ -35,7 +35,7 @@ class Residuals:
 
 
 class Sky(Protocol):
-    """What predicts signals: ephemerides (`Navigation`), or states that came with the ranges (`CorrectedSky`)."""
+    """Predictions of signals: from ephemerides (`Navigation`), or from states that came with the ranges (`CorrectedSky`)."""
 
     def signals(self, epoch: Epoch) -> Mapping[str, Signal]:
         """Return how the signal of each satellite of an epoch is predicted, as far as it can be."""
