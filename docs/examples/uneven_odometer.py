@@ -11,6 +11,7 @@ side the interval would be wider.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from typing import Literal
 
 from safeloc.models.odometry.variables import OdometryConfig
@@ -41,11 +42,11 @@ def figures(*, corrected: bool) -> OdometryConfig:
 def journey(cycles: int = 300, *, corrected: bool = True) -> Iterator[tuple[int, Interval | None]]:
     """Yield the true place and the interval of each cycle. Each unit has a correction of its own, from the start of the journey on."""
     controller = Controller(Program(ENTRIES["odometry"].make(figures(corrected=corrected))))
-    corrections = {(end, unit): RATES.correction() for end in ENDS for unit in UNITS}
+    corrections = {(end, unit): RATES.correction() for end, unit in product(ENDS, UNITS)}
     for cycle in range(1, cycles + 1):
         records: list[Record] = []
-        for (end, unit), correction in corrections.items():
-            distance = correction.distance_mm(MEASURED_MM) if corrected else MEASURED_MM
+        for end, unit in product(ENDS, UNITS):
+            distance = corrections[end, unit].distance_mm(MEASURED_MM) if corrected else MEASURED_MM
             records.append(DistanceRecord(time_ms=cycle * PERIOD_MS, end=end, unit=unit, distance_mm=distance))
         if cycle % MARKER_EVERY == 1:
             records.append(
