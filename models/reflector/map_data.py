@@ -1,6 +1,6 @@
 """The map's data of a reflector (RFL-3): place, model, view zone, and the distance to the next one of its model.
 
-The figures are inputs: in every cycle those of the next reflector ahead of the target. The proofs therefore hold for every
+The figures are inputs: in every cycle those of the next reflector ahead of the target, and behind a group that is read the first one there. So the proofs hold for every
 line, with any number of reflectors. `clear_mm` is the distance to the nearest other reflector of the same model on any
 track that the radar can see; it is the one figure that the layout of a line has to keep.
 """

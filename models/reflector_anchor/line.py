@@ -1,7 +1,7 @@
 """The line of an anchored reflector machine: the map's next reflector, and what telegram and map say of its distance from the group that is read.
 
-The machine computes nothing. It has the map's inputs, and the law on them. Of the group it reads the place that the balise
-machine keeps: a claim of that machine shows that it keeps places as telegram and linking gave them.
+The machine computes nothing. It has the map's inputs, and the law on them, which speaks of groups that the balise machine accepts: only
+these anchor anything. Of the group it reads the place that the balise machine keeps: a claim of that machine shows that it keeps places as telegram and linking gave them.
 """
 
 from __future__ import annotations
@@ -12,13 +12,14 @@ from safeloc.language.declared import Declared
 from safeloc.language.expr import (
     TRUE,
     Bool,
+    BoolVar,
     Expr,
     Num,
     NumVar,
     Optional,
     Var,
-    all_of,
     between,
+    boolean,
     number,
     optional,
 )
@@ -55,6 +56,7 @@ class Line:
     reference  its distance from its group by the map; present for the first reflector behind a group
     switch     for a vehicle that watches its course at switches
     read       the telegram as the antenna read it
+    accepted   the balise machine accepted the group that was read: the map then gives the first reflector behind it
     kept       the group that set the balise machine's interval last, and its place on the map, mm
     """
 
@@ -63,6 +65,7 @@ class Line:
     reference: Optional
     switch: Switch | None
     read: Telegram
+    accepted: BoolVar
     kept: tuple[NumVar, NumVar]
 
     def telegram_wires(self, sister: BaliseParts) -> dict[Var, Expr]:
@@ -88,6 +91,7 @@ def line(of_groups: BaliseConfig, of_reflectors: ReflectorConfig, *, with_switch
         age_limit_ms=of_groups.telegram_age_limit_ms,
         reflector_reach_mm=of_groups.reflector_reach_mm,
     )
+    accepted = declared.sensor(boolean("group_accepted"))
     kept = (
         declared.sensor(number("kept_group", COUNT, 0, of_groups.last_group_identity)),
         declared.sensor(number("kept_group_position_mm", MM, -limit, limit)),
@@ -97,10 +101,14 @@ def line(of_groups: BaliseConfig, of_reflectors: ReflectorConfig, *, with_switch
         modes=table,
         outputs={},
         transitions=[Transition("map looked up", table[0], table[0], TRUE, {}, ("RFL-9",), 0)],
-        world=World(clauses={_SURVEY: _survey(of_reflectors, position, reference, read, kept)}),
+        world=World(
+            clauses={
+                _SURVEY: _survey(of_reflectors, position, reference, accepted & _is_read(read, kept[0]), kept[1], read)
+            }
+        ),
         doc="The map's next reflector. Assumed: telegram and map give one place of it.",
     )
-    return Line(made, position, reference, switch, read, kept)
+    return Line(made, position, reference, switch, read, accepted, kept)
 
 
 def _switch(declared: Declared, limit: int) -> Switch:
@@ -111,18 +119,18 @@ def _switch(declared: Declared, limit: int) -> Switch:
 
 
 def _survey(
-    config: ReflectorConfig, position: Optional, reference: Optional, read: Telegram, kept: tuple[NumVar, NumVar]
+    config: ReflectorConfig, position: Optional, reference: Optional, counts: Bool, place: Num, read: Telegram
 ) -> Law:
-    group, place = kept
+    """Return the law for a cycle in which a group counts, whose place on the map is given."""
     most = config.map_accuracy_mm
 
     def agrees(distance: Optional) -> Bool:
         return distance.present.implies(between(-most, place + distance.value - position.value, most))
 
     return Law(
-        all_of([_is_read(read, group), position.present]).implies(agrees(read.reflector) & agrees(reference)),
-        "The distance from a group to its reflector, by the telegram or by the map, is the distance of their places on the map, "
-        "within the survey's accuracy. The place of a group is that of linking, else of its telegram.",
+        (counts & position.present).implies(agrees(read.reflector) & agrees(reference)),
+        "When a group is accepted, the map gives the first reflector behind it. The distance from the group to that one, by the telegram or by the map, is the "
+        "distance of their places on the map, within the survey's accuracy. The place of a group is that of linking, else of its telegram.",
         ("map_accuracy_mm",),
         "[D] one survey for telegram and map",
         "infrastructure",

@@ -21,6 +21,7 @@ def anchor_wires(groups: balise.Balise, map_: Line, source: reflector.ReflectorM
     """Return the wires of the line and of a reading, but for what contradicts the reflector machine's position."""
     return {
         **map_.telegram_wires(groups.own),
+        map_.accepted: accepted(groups),
         **_reading(groups, source),
         **_distances(groups, map_, source),
     }

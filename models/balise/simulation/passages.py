@@ -295,10 +295,15 @@ class Reading:
         return Telegram(_with_fault(read, passage.fault), ghosts)
 
 
+_CORRUPTED_MM = 12_345
+_DISTANCES = ("telegram_reflector_mm", "telegram_search_mm")
+
+
 def _with_fault(read: dict[str, Cell], fault: str) -> dict[str, Cell]:
     match fault:
         case "corrupted":
-            return {**read, "telegram_check": "FAILED", "telegram_position_mm": 12_345}
+            wrong = {name: _CORRUPTED_MM for name in _DISTANCES if name in read}
+            return {**read, "telegram_check": "FAILED", "telegram_position_mm": _CORRUPTED_MM, **wrong}
         case "incomplete":
             return _incomplete(read)
         case "wrong way":

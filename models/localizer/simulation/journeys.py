@@ -17,8 +17,8 @@ METRO = Journey(
     legs=[Leg(0, 2), Leg(15_000, 45), Leg(0, 30)],
     markers=[(number, number * 100_000) for number in range(1, 9)],
     groups=[
-        Group(1, 20_000, accuracy_mm=1_000), Group(2, 170_000, accuracy_mm=1_000, reflector_mm=230_000, search_mm=140_000),
-        Group(3, 320_000, accuracy_mm=1_000, reflector_mm=80_000), Group(4, 470_000, accuracy_mm=1_000), Group(5, 620_000, accuracy_mm=1_000),
+        Group(1, 20_000, accuracy_mm=1_000), Group(2, 170_000, accuracy_mm=1_000, reflector_mm=229_960, search_mm=140_000),
+        Group(3, 320_000, accuracy_mm=1_000, reflector_mm=80_040), Group(4, 470_000, accuracy_mm=1_000), Group(5, 620_000, accuracy_mm=1_000),
         Group(6, 770_000, accuracy_mm=1_000),
     ],
     reflectors=Route(
