@@ -315,12 +315,20 @@ class Results:
             f"group by {column} order by {column}"
         )
 
+    def vehicles(self, where: str) -> tuple[int, int]:
+        """Return how many vehicles there are, and in how many strata."""
+        counts = f"select count(*), count(distinct stratum) from rows_ where row = 'vehicle' and {where}"
+        [(vehicles, strata)] = self._all(counts)
+        return vehicles, strata
+
     def worst(self, where: str, order: str, number: int) -> Iterator[tuple[int, int, int]]:
-        """Yield shard, place in the shard and cycle of the vehicles that come first in an order."""
-        yield from self._all(
-            f"select shard, vehicle, coalesce(first_wrong, least_margin_cycle) from rows_ where row = 'vehicle' and {where} "
-            f"order by {order}, shard, vehicle limit {number}"
+        """Yield shard, place in the shard and cycle of the vehicles that come first in an order: the first one of each stratum, then the second ones."""
+        first = f"order by {order}, shard, vehicle"
+        ranked = (
+            f"select shard, vehicle, coalesce(first_wrong, least_margin_cycle) as cycle, row_number() over (partition by stratum {first}) as place, "
+            f"row_number() over ({first}) as among_all from rows_ where row = 'vehicle' and {where}"
         )
+        yield from self._all(f"select shard, vehicle, cycle from ({ranked}) order by place, among_all limit {number}")
 
     def _all(self, text: str) -> list[Any]:
         return self._db.execute(text).fetchall()

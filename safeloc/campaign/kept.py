@@ -26,10 +26,11 @@ from safeloc.simulation.many_runs import Drawn, ManyRuns, through_border
 _STREAMS = "streams"
 AFTER = 20
 """Cycles that a kept stream goes on after the cycle for which it is kept."""
+_NEAR = "near"
 KINDS: Mapping[str, tuple[str, str, str]] = {
     "kept-wrong": ("kept_wrong > 0", "first_wrong", "a wrong interval although every law was kept"),
     "broken-wrong": ("broken_wrong > 0", "longest_wrong desc", "a wrong interval after a law was broken"),
-    "near": (
+    _NEAR: (
         "kept_wrong + broken_wrong = 0 and least_margin_nm is not null",
         "least_margin_nm",
         "no wrong interval; the smallest margins",
@@ -45,16 +46,27 @@ class _Wanted:
     cycle: int
 
 
-def keep_streams(campaign: Campaign, results: Results, folder: Path) -> list[dict[str, Any]]:
-    """Write the streams, and the configurations that they need, into the folder; return what was kept, each with its command."""
+def keep_streams(
+    campaign: Campaign, results: Results, folder: Path
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Write the streams, and the configurations that they need, into the folder; return what was found of each kind, and what was
+    kept, each with its command.
+
+    Of wrong intervals the worst vehicle of each situation is kept, however many situations there are.
+    """
     place = folder / _STREAMS
     place.mkdir(parents=True, exist_ok=True)
     for old in place.iterdir():
         if old.is_file():  # not the folder that Python leaves where the regression test was run
             old.unlink()
     wanted: dict[int, list[_Wanted]] = {}
-    for kind, (where, order, _) in KINDS.items():
-        for shard, vehicle, cycle in results.worst(where, order, campaign.declared.kept):
+    found = []
+    for kind, (where, order, why) in KINDS.items():
+        vehicles, strata = results.vehicles(where)
+        most = campaign.declared.kept and max(campaign.declared.kept, 0 if kind == _NEAR else strata)
+        some = list(results.worst(where, order, most))
+        found.append({"kind": kind, "why": why, "vehicles": vehicles, "kept": len(some)})
+        for shard, vehicle, cycle in some:
             wanted.setdefault(shard, []).append(_Wanted(kind, vehicle, cycle))
     shards = campaign.shards
     kept = [
@@ -63,7 +75,7 @@ def keep_streams(campaign: Campaign, results: Results, folder: Path) -> list[dic
     if kept:
         target = scene_of(campaign, campaign.strata[0]).target
         (place / NAME).write_text(regression_test(target, kept, place), encoding="utf-8")
-    return kept
+    return found, kept
 
 
 def _of_shard(campaign: Campaign, shard: Shard, some: list[_Wanted], place: Path) -> Iterator[dict[str, Any]]:

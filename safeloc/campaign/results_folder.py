@@ -27,7 +27,7 @@ def write_results(campaign: Campaign, folder: Path) -> dict[str, Any]:
     """Write the results of all shards into the folder; return them as data."""
     results = Results(campaign, folder)
     data = results.as_data()
-    data["streams"] = keep_streams(campaign, results, folder)
+    data["found"], data["streams"] = keep_streams(campaign, results, folder)
     drawn = {
         name: (caption, with_style(text))
         for name, (caption, text) in _pictures(campaign, results, data).items()

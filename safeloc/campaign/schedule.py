@@ -16,11 +16,11 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from safeloc.campaign import uninterrupted
 from safeloc.campaign.counted import wrong_cycles
 from safeloc.campaign.declaration import Campaign
-from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
+from safeloc.campaign.shards import digests, made_by, run_shard, shard_files, write_shard
 from safeloc.errors import EngineError, InputError
-from safeloc.proof.cache.engine import source_digest
 
 _AHEAD = 2
 """Shards handed out for each thread of the workers: one runs, one waits, so that no worker waits for this process."""
@@ -49,7 +49,10 @@ class Where:
 
 @dataclass
 class Progress:
-    """The progress of a campaign; shards of an earlier run count as done, but not in the time."""
+    """The progress of a campaign; shards of an earlier run count as done, but not in the time.
+
+    starting  the shards that are not counted in the pace: with the first one of each process its machine is compiled
+    """
 
     shards: int
     done: int
@@ -58,47 +61,72 @@ class Progress:
     broken_wrong: int = 0
     damaged: int = 0
     ran: int = 0
+    starting: int = 1
     began: float = field(default_factory=time.monotonic)
+
+    def one_more(self, cycles: int, kept_wrong: int, broken_wrong: int) -> None:
+        """Count a shard that was run."""
+        self.done, self.ran, self.cycles = self.done + 1, self.ran + 1, self.cycles + cycles
+        self.kept_wrong, self.broken_wrong = self.kept_wrong + kept_wrong, self.broken_wrong + broken_wrong
+        if self.ran <= self.starting:
+            self.began = time.monotonic()
 
     @property
     def seconds_left(self) -> float | None:
-        """The time left at the pace so far; None before the first shard."""
-        return None if not self.ran else (time.monotonic() - self.began) / self.ran * (self.shards - self.done)
+        """The time left at the pace so far; None before there is one."""
+        if self.ran <= self.starting:
+            return None
+        return (time.monotonic() - self.began) / (self.ran - self.starting) * (self.shards - self.done)
 
 
 Tell = Callable[[Progress], None]
 
 
-def run_missing(campaign: Campaign, folder: Path, where: Where, tell: Tell) -> Progress:
-    """Run every shard that is not in the folder, or damaged, or of another content; delete files that do not belong to the campaign."""
+def run_missing(campaign: Campaign, folder: Path, where: Where, tell: Tell, *, discard: bool = False) -> Progress:
+    """Run every shard that is not in the folder, or damaged.
+
+    discard  delete shards that are not of this campaign (of another declaration, safeloc or numpy), in place of the InputError
+             that says how many there are
+    """
     wanted = digests(campaign)
+    _without_strange(folder, wanted, discard=discard)
     left, damaged = _left(folder, wanted)
     first_of = {shard.number: shard.first for shard in campaign.shards}
     left.sort(
         key=lambda number: (first_of[number], number)
     )  # each stratum in turn: what is done so far speaks of all of them
-    progress = Progress(len(wanted), len(wanted) - len(left), damaged=damaged)
+    processes = 1 if where.in_process else where.workers
+    progress = Progress(len(wanted), len(wanted) - len(left), damaged=damaged, starting=processes)
     tell(progress)
     cycles_of = {shard.number: (shard.end - shard.first) * campaign.declared.cycles for shard in campaign.shards}
     for number, data in _results(campaign, left, where):
         write_shard(folder, number, wanted[number], data)
-        kept, broken = wrong_cycles(data)
-        progress.done, progress.ran = progress.done + 1, progress.ran + 1
-        progress.cycles += cycles_of[number]
-        progress.kept_wrong, progress.broken_wrong = progress.kept_wrong + kept, progress.broken_wrong + broken
+        progress.one_more(cycles_of[number], *wrong_cycles(data))
         tell(progress)
     return progress
 
 
-def _left(folder: Path, wanted: dict[int, str]) -> tuple[list[int], int]:
-    """Return the numbers of the shards to run, and how many files were damaged; files that are of no use are deleted."""
+def _without_strange(folder: Path, wanted: Mapping[int, str], *, discard: bool) -> None:
+    """Delete the shards that are not of this campaign. InputError if that was not asked for: hours may be in them."""
+    strange = [file for file in shard_files(folder) if wanted.get(file.number) != file.digest]
+    if strange and not discard:
+        raise InputError(
+            f"{folder}: {len(strange)} shards are not of this campaign as it is: it was edited, or safeloc, numpy, pyarrow or the kind of "
+            "processor is another one. Give another folder, or delete these shards with --discard."
+        )
+    for file in strange:
+        file.path.unlink()
+
+
+def _left(folder: Path, wanted: Mapping[int, str]) -> tuple[list[int], int]:
+    """Return the numbers of the shards to run, and how many files were damaged, which are deleted."""
     left, damaged = dict(wanted), 0
     for file in shard_files(folder):
-        if wanted.get(file.number) == file.digest and file.sound:
+        if file.sound:
             left.pop(file.number, None)
-            continue
-        damaged += wanted.get(file.number) == file.digest
-        file.path.unlink()
+        else:
+            damaged += 1
+            file.path.unlink()
     return sorted(left), damaged
 
 
@@ -120,7 +148,7 @@ def _on_workers(
     _, distributed = _dask()
 
     def handed_out(number: int) -> Any:
-        return client.submit(_numbered, campaign.text, campaign.name, number, pure=False)
+        return client.submit(numbered, campaign.text, campaign.name, number, made_by(), pure=False)
 
     waiting = iter(left)
     threads = max(1, sum(client.nthreads().values()))
@@ -158,7 +186,10 @@ _TRIM = "MALLOC_TRIM_THRESHOLD_"
 """Dask lets workers return each freed page of memory at once; arrays of every cycle then take new pages, and a third of the time."""
 
 
-def _numbered(text: str, name: str, number: int) -> tuple[int, bytes]:
+def numbered(text: str, name: str, number: int, by: str) -> tuple[int, bytes]:
+    """Run a shard on a worker; EngineError if it would be another one there, as on a worker that came later with other packages."""
+    if made_by() != by:
+        raise EngineError(f"a worker has {made_by()}, this process {by}; install the same everywhere.")
     return number, run_shard(text, name, number)
 
 
@@ -193,7 +224,7 @@ def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
             except (OSError, ValueError) as error:
                 raise InputError(f"--scheduler {where.scheduler}: no scheduler answers there: {error}.") from error
             with client:
-                _refuse_others(client)
+                refuse_others(client)
                 yield client, lambda: None
         else:
             with local_cluster(distributed, where.workers) as cluster, distributed.Client(cluster) as client:
@@ -209,8 +240,10 @@ def local_cluster(distributed: Any, workers: int) -> Any:
                 n_workers=workers,
                 threads_per_worker=1,
                 dashboard_address=None,
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # its status page, where no other one is
                 memory_limit=0,
                 silence_logs=logging.CRITICAL,
+                preload=[uninterrupted.__name__],
             )
         except RuntimeError as error:
             why = error
@@ -234,11 +267,12 @@ class Revival:
             self.cluster.scale(self.workers)
 
 
-def _refuse_others(client: Any) -> None:
-    """Refuse workers with another safeloc, whose shards would be others."""
-    found = client.run(source_digest)
+def refuse_others(client: Any) -> None:
+    """Refuse workers with other packages or another kind of processor, whose shards would be others."""
+    found = client.run(made_by)
     if not found:
         raise InputError("the scheduler has no workers; start some, for example with `dask worker ADDRESS`.")
-    strange = [worker for worker, digest in found.items() if digest != source_digest()]
+    strange = [(worker, by) for worker, by in found.items() if by != made_by()]
     if strange:
-        raise EngineError(f"worker {strange[0]} has another safeloc; install the same one everywhere.")
+        worker, by = strange[0]
+        raise EngineError(f"worker {worker} has {by}, this process {made_by()}; install the same everywhere.")

@@ -55,7 +55,7 @@ class ShardFile:
 
 def digests(campaign: Campaign) -> dict[int, str]:
     """Return the digest of every shard by number: it covers declaration, machine, simulation, versions and the number."""
-    common = _common()
+    common = f"{_FORMAT}, {made_by()}"
     of_stratum = {one.number: _digest_of_stratum(campaign, one) for one in campaign.strata}
     return {
         shard.number: _sum(
@@ -65,9 +65,10 @@ def digests(campaign: Campaign) -> dict[int, str]:
     }
 
 
-def _common() -> str:
+def made_by() -> str:
+    """Return what else the bytes of a shard depend on: packages, the kind of processor, and the code of safeloc."""
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in _PACKAGES)
-    return f"{_FORMAT}, {versions}, {platform.machine()}, {source_digest()}"
+    return f"{versions}, {platform.machine()}, {source_digest()}"
 
 
 def _digest_of_stratum(campaign: Campaign, stratum: Stratum) -> str:

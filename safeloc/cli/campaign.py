@@ -24,6 +24,9 @@ def campaign(
     file: Annotated[Path, typer.Argument(help="the declaration (TOML, docs/campaigns.md)")],
     folder: Annotated[Path, typer.Option("--out", help="folder for shards, results and page")],
     resume: Annotated[bool, typer.Option("--resume", help="go on in a folder that holds shards already")] = False,
+    discard: Annotated[
+        bool, typer.Option("--discard", help="with --resume: delete shards that are not of this campaign as it is now")
+    ] = False,
     workers: Annotated[int | None, typer.Option(help="local worker processes; else one for each core", min=1)] = None,
     in_process: Annotated[
         bool, typer.Option("--in-process", help="run the shards in this process, without Dask")
@@ -52,7 +55,7 @@ def campaign(
     if not resume and any((folder / "shards").glob("*.parquet")):
         raise InputError(f"{folder}: holds shards already; go on with --resume, or give another folder.")
     where = schedule.Where(workers or schedule.CORES, in_process, scheduler)
-    data = _all(declared, folder, where, quiet=as_json)
+    data = _all(declared, folder, where, discard=discard, quiet=as_json)
     if as_json:
         print_json(data)
     else:
@@ -73,14 +76,14 @@ def _one(declared: Campaign, number: int, folder: Path) -> None:
     out.print(str(path), markup=False)
 
 
-def _all(declared: Campaign, folder: Path, where: Any, *, quiet: bool) -> dict[str, Any]:
+def _all(declared: Campaign, folder: Path, where: Any, *, discard: bool, quiet: bool) -> dict[str, Any]:
     from safeloc.campaign.results_folder import write_results
     from safeloc.campaign.schedule import run_missing
 
     telling = _Telling(quiet=quiet)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        run_missing(declared, folder, where, telling)
+        run_missing(declared, folder, where, telling, discard=discard)
         return write_results(declared, folder)
     except KeyboardInterrupt as error:
         done = len(list((folder / "shards").glob("*.parquet")))
@@ -138,6 +141,8 @@ def _lines(data: Mapping[str, Any]) -> Iterator[str]:
     yield f"clauses broken: {len(broken)} of {len(data['clauses'])}"
     for one in broken:
         yield f"    {one['name']}: {one['cycles']:,} cycles, share of vehicles {share_words(one['whole'])}"
+    for one in data["found"]:
+        yield f"{one['why']}: {one['vehicles']:,} vehicles, {one['kept']} kept as streams"
     for one in data["streams"]:
         yield f"{one['why']}: {one['command']}"
 

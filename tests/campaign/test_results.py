@@ -111,6 +111,25 @@ def test_what_was_found_is_kept_as_streams_that_replay(finished: Path) -> None:
         assert len(stream.steps) <= one["cycle"] + 20
 
 
+def test_of_every_situation_the_worst_is_kept(tmp_path: Path) -> None:
+    """Whichever situation has the longest wrong intervals; of near misses `kept` in all. How many there were is told."""
+    again = SMALL[SMALL.index("[[situations]]") :].replace("every second one", "each second one")
+    text = f"{SMALL}{again}".replace("weight = 1.0", "weight = 0.5").replace("seed = 3", "seed = 3\nkept = 1")
+    campaign = parse_campaign(text, "two.toml")
+    run_missing(campaign, tmp_path, Where(in_process=True), lambda _: None)
+    data = write_results(campaign, tmp_path)
+    wrong = [one for one in data["streams"] if one["kind"] == "broken-wrong"]
+    assert {campaign.words_of(one) for one in campaign.strata} == {one["stratum"] for one in wrong} and 2 == len(wrong)
+    found = {one["kind"]: (one["vehicles"], one["kept"]) for one in data["found"]}
+    vehicles = [row for number in range(6) for row in rows(run_shard(text, "two.toml", number), "vehicle")]
+    assert (sum(row["broken_wrong"] > 0 for row in vehicles), 2) == found["broken-wrong"]
+    assert ((0, 0), 1) == (found["kept-wrong"], found["near"][1])
+    for stratum, one in enumerate(sorted(wrong, key=lambda one: one["shard"])):
+        own = [row for row in vehicles if row["stratum"] == stratum]
+        [kept] = [row for row in own if (row["shard"], row["vehicle"]) == (one["shard"], one["vehicle"])]
+        assert kept["longest_wrong"] == max(row["longest_wrong"] for row in own if "longest_wrong" in row)
+
+
 def test_a_kept_stream_is_shortened_to_what_matters(finished: Path) -> None:
     """Readings that do not matter are left out, and what was kept is still shown (the tests around); distances that matter stay."""
     data = json.loads((finished / "results.json").read_text(encoding="utf-8"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -20,8 +21,17 @@ from pyarrow import parquet
 from safeloc.campaign.declaration import Campaign, parse_campaign
 from safeloc.campaign.judged import Outcome, judge_of
 from safeloc.campaign.scenes import drawn_runs
-from safeloc.campaign.schedule import ASKED, Progress, Revival, Where, local_cluster, run_missing
-from safeloc.campaign.shards import digests, run_shard, shard_files, write_shard
+from safeloc.campaign.schedule import (
+    ASKED,
+    Progress,
+    Revival,
+    Where,
+    local_cluster,
+    numbered,
+    refuse_others,
+    run_missing,
+)
+from safeloc.campaign.shards import digests, made_by, run_shard, shard_files, write_shard
 from safeloc.errors import EngineError, InputError
 from safeloc.language.interpret import Program, read_inputs, start, step
 from safeloc.language.system import lower
@@ -143,7 +153,7 @@ def test_the_digest_covers_what_a_shard_depends_on() -> None:
 
 
 def test_only_what_is_missing_or_damaged_is_run(tmp_path: Path) -> None:
-    """A shard of the same digest stays; a damaged one, one that is gone and one of another declaration are run or deleted."""
+    """A shard of the same digest stays; a damaged one and one that is gone are run."""
     told = list[Progress]()
     run_missing(small(), tmp_path, HERE, told.append)
     before = {file.number: (file.path.name, file.path.stat().st_mtime_ns) for file in shard_files(tmp_path)}
@@ -152,14 +162,61 @@ def test_only_what_is_missing_or_damaged_is_run(tmp_path: Path) -> None:
     damaged = next(file.path for file in shard_files(tmp_path) if file.number == 1)
     damaged.write_bytes(damaged.read_bytes()[:-1])
     next(file.path for file in shard_files(tmp_path) if file.number == 2).unlink()
-    stale = tmp_path / "shards" / f"000007-{'0' * 16}-{'0' * 16}.parquet"
-    stale.write_bytes(b"")
     again = run_missing(small(), tmp_path, HERE, lambda _: None)
     after = {file.number: (file.path.name, file.path.stat().st_mtime_ns) for file in shard_files(tmp_path)}
     assert (2, 1) == (again.ran, again.damaged)
     assert before[0] == after[0]
     assert [name for name, _ in before.values()] == [name for name, _ in after.values()]
     assert 0 == run_missing(small(), tmp_path, HERE, lambda _: None).ran
+
+
+def test_shards_of_another_campaign_are_not_deleted_unasked(tmp_path: Path) -> None:
+    """Hours may be in them: the message says how many there are, and what to do; with `discard` they are gone, and all are run."""
+    run_missing(small(), tmp_path, HERE, lambda _: None)
+    before = {file.path for file in shard_files(tmp_path)}
+    with pytest.raises(
+        InputError, match=r": 3 shards are not of this campaign as it is: .* or delete these shards with --discard\.$"
+    ):
+        run_missing(small(seed="4"), tmp_path, HERE, lambda _: None)
+    assert before == {file.path for file in shard_files(tmp_path)}
+    again = run_missing(small(seed="4"), tmp_path, HERE, lambda _: None, discard=True)
+    after = {file.path for file in shard_files(tmp_path)}
+    assert (3, 0, 3) == (again.ran, again.damaged, len(after))
+    assert not before & after
+
+
+def test_the_time_left_follows_from_the_pace_of_shards(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not from the start of workers, nor from the first shard of each, with which its machine is compiled."""
+    clock = [1_000.0]
+    monkeypatch.setattr("safeloc.campaign.schedule.time.monotonic", lambda: clock[0])
+    progress, left = Progress(100, 20, starting=2, began=0.0), []
+    for seconds in (60.0, 1.0, 2.0, 2.0):
+        clock[0] += seconds
+        progress.one_more(10, 1, 0)
+        left.append(progress.seconds_left)
+    assert [None, None, 77 * 2.0, 76 * 2.0] == left
+    assert (24, 4, 40, 4, 0) == (
+        progress.done,
+        progress.ran,
+        progress.cycles,
+        progress.kept_wrong,
+        progress.broken_wrong,
+    )
+
+
+def test_a_worker_of_another_make_runs_nothing() -> None:
+    """Its shards would be others: packages, kind of processor and code of safeloc are part of every digest."""
+    with pytest.raises(
+        EngineError, match=rf"^a worker has {re.escape(made_by())}, this process numpy 1\.0, mips; install the same"
+    ):
+        numbered(SMALL, "small.toml", 0, "numpy 1.0, mips")
+    assert numbered(SMALL, "small.toml", 0, made_by()) == (0, run_shard(SMALL, "small.toml", 0))
+    client = SimpleNamespace(run=lambda _: {"tcp://one": made_by(), "tcp://two": "numpy 1.0"})
+    with pytest.raises(EngineError, match=r"^worker tcp://two has numpy 1\.0, this process numpy "):
+        refuse_others(client)
+    with pytest.raises(InputError, match=r"^the scheduler has no workers"):
+        refuse_others(SimpleNamespace(run=lambda _: {}))
+    refuse_others(SimpleNamespace(run=lambda _: {"tcp://one": made_by()}))
 
 
 def test_shards_are_run_in_turn_of_their_strata(tmp_path: Path) -> None:
@@ -263,20 +320,22 @@ def test_a_cluster_makes_the_same_shards(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_interrupted_campaign_goes_on(tmp_path: Path) -> None:
-    """Ctrl-C loses the shards under way; those that are done stay as they are, and are not run again."""
+@pytest.mark.parametrize("where", [["--in-process"], ["--workers", "2"]], ids="-".join)
+def test_an_interrupted_campaign_goes_on(tmp_path: Path, where: list[str]) -> None:
+    """Ctrl-C, which reaches all processes of a terminal, loses the shards under way; those that are done stay as they are, and are not run again."""
     file, folder = tmp_path / "small.toml", tmp_path / "out"
     file.write_text(small(vehicles="400").text, encoding="utf-8")
-    command = [sys.executable, "-m", "safeloc", "campaign", str(file), "--out", str(folder), "--in-process"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+    command = [sys.executable, "-m", "safeloc", "campaign", str(file), "--out", str(folder), *where]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
         while len(list(folder.glob("shards/*.parquet"))) < 3:
             assert process.poll() is None
             time.sleep(0.05)
-        process.send_signal(signal.SIGINT)
+        os.killpg(process.pid, signal.SIGINT)
         _, said = process.communicate(timeout=60)
     done = {path.name: path.stat().st_mtime_ns for path in folder.glob("shards/*.parquet")}
     assert 130 == process.returncode
     assert f"interrupted: {len(done)} shards are kept in {folder}; go on with --resume." in said
+    assert "Traceback" not in said
     assert [] == list(folder.glob("shards/*.partial"))
     subprocess.run([*command, "--resume", "--json"], check=True, capture_output=True)
     after = {path.name: path.stat().st_mtime_ns for path in folder.glob("shards/*.parquet")}
