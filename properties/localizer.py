@@ -151,9 +151,9 @@ def _anchored(model: Localizer) -> Iterator[Property]:
     contradicted = whole.of_source(source.own.contradicted)
     yield for_all_inputs(
         "groups that contradict withdraw what they anchored",
-        contradicted.iff(whole.disproved) & contradicted.implies(~whole.located),
+        contradicted.iff(whole.disproved) & whole.located.implies(~contradicted),
         statement="while the balise machine reports nothing because groups contradict its position, and in no other cycle, the reflector "
-        "machine is told so, and reports none either",
+        "machine is told so; it reports a position only while they do not",
         requirements=("RFL-D4", "RFL-D3"),
     )
 
