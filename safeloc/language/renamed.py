@@ -75,6 +75,20 @@ _PARTED = {
 
 The former value determines neither of the two.
 """
+_MOVED = {
+    "reflector.next_position_mm": "line.next_position_mm",
+    "reflector.next_reference_mm": "line.next_reference_mm",
+    "verification.record_axles": "entry.record_axles",
+    "verification.record_sound": "entry.record_sound",
+}
+"""Former and present inputs of compositions in which another machine has them now."""
+_WIRED = (
+    (re.compile(r"reflector\.(balise.*|route_contradicted)"), "the balise machine"),
+    (re.compile(r"area\.counters_(healthy|clear)"), "axle_section"),
+    (re.compile(r"verification\.associated"), "train_order"),
+    (re.compile(r"taking\.record_place_(low|high)_mm"), "the giving area"),
+)
+"""Former inputs of compositions that another machine gives now, and which."""
 _SIDE = re.compile(rf"(?<![A-Za-z])({'|'.join(_SIDES)})(?=_(?:mm|nm)$)")
 
 
@@ -91,12 +105,23 @@ def name_now(name: str) -> str:
 def renamed(names: Iterable[str], known: Collection[str]) -> str:
     """Return a text to append, `; 'over_mm' is now 'margin_above_mm'`, for the former names among `names`; "" if none."""
     former = [name for name in sorted(names) if name not in known]
-    pairs = ((name, _output_now(name_now(name))) for name in former)
+    pairs = ((name, _MOVED.get(name, _output_now(name_now(name)))) for name in former)
     one_for_one = "".join(f"; {name!r} is now {new!r}" for name, new in pairs if new in known)
     replaced = ((name, parts) for name in former if (parts := parted(name)) and parts[0] in known)
-    return one_for_one + "".join(
-        f"; {name!r} is replaced by {' and '.join(map(repr, parts))}" for name, parts in replaced
+    machines = {name.partition(".")[0] for name in known if "." in name}
+    gone = ((name, wired_from(name)) for name in former if name.partition(".")[0] in machines)
+    return (
+        one_for_one
+        + "".join(f"; {name!r} is replaced by {' and '.join(map(repr, parts))}" for name, parts in replaced)
+        + "".join(
+            f"; {name!r} is no input any more, {giver} gives it (docs/migrating.md)" for name, giver in gone if giver
+        )
     )
+
+
+def wired_from(name: str) -> str:
+    """Return which machine of a composition gives now what was an input of this name; "" for any other name."""
+    return next((giver for former, giver in _WIRED if former.fullmatch(name)), "")
 
 
 def _output_now(name: str) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from safeloc.errors import StreamError
-from safeloc.language.renamed import name_now, parted
+from safeloc.language.renamed import name_now, parted, wired_from
 from safeloc.runtime.migration.changes import Change, summed, with_names
 from safeloc.runtime.outside import quoted
 from safeloc.runtime.streams.files import json_object, lines_of, streaming
@@ -32,12 +32,30 @@ def migrated(path: Path, ships: Collection[str]) -> tuple[str, tuple[Change, ...
     """
     lines: list[str] = []
     changes: list[Change] = []
+    seen: dict[str, int] = {}
     with streaming(path):
         for number, text in lines_of(path):
-            names = _old_names(path, number, json_object(path, number, text), ships)
+            line = json_object(path, number, text)
+            seen |= {name: number for name in line if name not in seen}
+            names = _old_names(path, number, line, ships)
             lines.append(_renamed(path, number, text, names) if names else text)
             changes += (Change(old, new, number) for old, new in names.items())
+    _refuse_wired(path, seen)
     return "".join(f"{line}\n" for line in lines), summed(changes)
+
+
+def _refuse_wired(path: Path, seen: Mapping[str, int]) -> None:
+    """Refuse a stream with inputs that other machines give now; those of reflectors only beside balises, which anchor them.
+
+    seen    the names in the stream, each with its first line
+    """
+    anchored = any(name.startswith("balise.") for name in seen)
+    for name, number in seen.items():
+        giver = wired_from(name)
+        if giver and (anchored or not name.startswith("reflector.")):
+            raise StreamError(
+                f"{path}:{number}: has {name!r}, which is no input any more: {giver} gives it. Record the stream again (docs/migrating.md)."
+            )
 
 
 def _old_names(path: Path, number: int, line: Mapping[str, Any], ships: Collection[str]) -> dict[str, str]:

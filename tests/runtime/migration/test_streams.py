@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from safeloc.errors import StreamError
+from safeloc.language.renamed import renamed
 from safeloc.runtime.migration import migrate
 from safeloc.runtime.streams.steps import read_steps, write_steps
 from tests.runtime.migration.migrating import SHIPS, changed, migrated, no_machine
@@ -107,3 +108,26 @@ def test_what_is_not_understood_is_refused(tmp_path: Path, text: str, message: s
 def test_the_names_of_a_machine_that_does_not_ship_are_its_owners(tmp_path: Path) -> None:
     """A stream without an old name is one of today, whosever it is."""
     assert () == migrated(tmp_path / "run.jsonl", '{"schema": "safeloc-stream/1", "machine": "crane"}\n').changes
+
+
+def test_inputs_that_another_machine_gives_now_are_refused(tmp_path: Path) -> None:
+    """A reflector's readings beside balises, which anchor it now; without balises they are inputs as before."""
+    reading = '{"reflector.balise_position_mm": 320000, "reflector.route_contradicted": false}\n'
+    alone = migrated(tmp_path / "alone.jsonl", reading)
+    assert (reading, []) == (alone.text, changed(alone))
+    with pytest.raises(
+        StreamError,
+        match=r"both\.jsonl:1: has 'reflector\.balise_position_mm', .* the balise machine gives it\. Record .*migrating\.md",
+    ):
+        migrated(tmp_path / "both.jsonl", reading + '{"balise.telegram_group": 3}\n')
+
+
+def test_a_machine_says_who_gives_a_former_input_now() -> None:
+    """As it refuses the stream: another machine's input of the same meaning, or the machine that gives it."""
+    localizer = ["reflector.frame_present", "line.next_position_mm", "balise.telegram_group"]
+    assert "; 'reflector.next_position_mm' is now 'line.next_position_mm'" == renamed(
+        ["reflector.next_position_mm"], localizer
+    )
+    said = "; 'reflector.balise' is no input any more, the balise machine gives it (docs/migrating.md)"
+    assert said == renamed(["reflector.balise"], localizer)
+    assert "" == renamed(["reflector.balise", "reflector.next_position_mm"], ["front_wheel_mm"])
