@@ -6,13 +6,37 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 
 class Config(BaseModel):
     """Base of every configuration: it is frozen, checks types strictly, and refuses unknown fields."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class CompositionConfig(Config):
+    """Base of the configuration of a composition: a table of a machine that is given in part keeps the figures that the composition has for it."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _parts_keep_their_figures(cls, given: object) -> object:
+        if not isinstance(given, Mapping):
+            return given
+        return {name: _filled(_default(cls, name), value) for name, value in given.items()}
+
+
+def _default(kind: type[BaseModel], name: object) -> object:
+    field = kind.model_fields.get(name) if isinstance(name, str) else None
+    return None if field is None else field.default
+
+
+def _filled(default: object, given: object) -> object:
+    """Return a table with the figures of the default that it does not give; anything else as it is."""
+    if not isinstance(default, BaseModel) or not isinstance(given, Mapping):
+        return given
+    usual = {name: getattr(default, name) for name in type(default).model_fields}
+    return {**usual, **{name: _filled(usual.get(name), value) for name, value in given.items()}}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from pydantic import ValidationError
 
-from safeloc.config import Config, derived, derived_figures, quantity
+from safeloc.catalogue import read_config
+from safeloc.config import CompositionConfig, Config, derived, derived_figures, quantity
+from safeloc.errors import InputError
+from safeloc.models.localizer import LocalizerConfig
 
 
 class Trip(Config):
@@ -43,3 +48,41 @@ def test_derived_figures_carry_unit_and_source() -> None:
     assert [("time_ms", "ms", "[D] how long it takes"), ("both_mm", "mm", "[D] there and back")] == [
         (name, figure.unit, figure.source) for name, figure in derived_figures(LongTrip())
     ]
+
+
+class Journey(CompositionConfig):
+    """Two trips, of which one is not the usual one."""
+
+    there: Trip = Trip(way_mm=7_000, speed_mm_s=2_000)
+    back: Trip = Trip()
+    stops: tuple[int, ...] = ()
+
+
+def test_a_part_given_in_part_keeps_the_figures_of_the_composition() -> None:
+    """Not those of the machine's class: a table that changes one figure changes no other."""
+    assert Trip(way_mm=7_000, speed_mm_s=3_000) == Journey.model_validate({"there": {"speed_mm_s": 3_000}}).there
+    assert Trip(speed_mm_s=3_000) == Journey.model_validate({"back": {"speed_mm_s": 3_000}}).back
+    assert Journey(there=Trip()).there == Trip()
+    with pytest.raises(ValidationError, match=r"there\.speed\n"):
+        Journey.model_validate({"there": {"speed": 3_000}})
+    with pytest.raises(ValidationError, match=r"there\n.*valid dictionary"):
+        Journey.model_validate({"there": 3_000})
+    with pytest.raises(ValidationError, match="valid dictionary"):
+        Journey.model_validate(3)
+
+
+def test_a_localizers_part_keeps_the_localizers_figures(tmp_path: Path) -> None:
+    """Its wider tolerances, and the law of the checked odometer, also where a table of the odometer gives one figure of it."""
+    file = tmp_path / "vehicle.toml"
+    file.write_text(
+        'sources = ["balise", "reflector"]\n[reflector]\nposition_limit_mm = 1_000_000_000\n[balise]\nreversal_mm = 1_500\n'
+        "[balise.odometer]\nrate_ppm = 1\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError, match=r"balise\.odometer is .*, but the vehicle's is"):
+        read_config(LocalizerConfig, file)
+    file.write_text(file.read_text(encoding="utf-8").replace("rate_ppm = 1", ""), encoding="utf-8")
+    made, usual = read_config(LocalizerConfig, file), LocalizerConfig()
+    assert made == usual.model_copy(
+        update={"sources": ("balise", "reflector"), "balise": usual.balise.model_copy(update={"reversal_mm": 1_500})}
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from safeloc.config import Config, quantity
+from safeloc.config import CompositionConfig, quantity
 from safeloc.language.units import UM_PER_MM
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.verification import VerificationConfig
@@ -13,7 +13,7 @@ _FROM_THE_COUNTER = 1_600_000
 """Longest length in a record, mm: that of the longest train, and what its bounds may exceed it by while it passes."""
 
 
-class CountedEntryConfig(Config):
+class CountedEntryConfig(CompositionConfig):
     """One counter at the entrance of an area, and the verification of the train that it has counted, in cycles of one period."""
 
     counter: AxleCounterConfig = AxleCounterConfig()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from safeloc.config import Config, quantity
+from safeloc.config import CompositionConfig, quantity
 from safeloc.language.units import PPM_PER_ONE
 from safeloc.models.fibre import FibreConfig
 from safeloc.models.time_of_flight import TimeOfFlightConfig
@@ -12,7 +12,7 @@ from safeloc.models.time_of_flight import TimeOfFlightConfig
 _PS_PER_S_TO_MM = 10**9
 
 
-class FibreTimedConfig(Config):
+class FibreTimedConfig(CompositionConfig):
     """One end of a train on one fibre; the threshold of F is the one of `fibre`.
 
     The threshold, less what an edge can be off where a signal is compared, is the greatest margin of a place that is compared.

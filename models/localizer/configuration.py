@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from safeloc.config import Config, quantity
+from safeloc.config import CompositionConfig, Config, quantity
 from safeloc.models.arbitration import SOURCES, ArbitrationConfig
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.motion import MotionConfig
@@ -25,7 +25,7 @@ CHECKED = MotionConfig(check=RADAR)
 """An odometer that a Doppler radar checks."""
 
 
-class LocalizerConfig(Config):
+class LocalizerConfig(CompositionConfig):
     """One vehicle with all its ways of locating; what they share is said once, in `motion`, and must be the same in each.
 
     Where `motion` has a check unit it is odometry's second unit at the front, and balises and reflectors hear of a distance

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from pydantic import model_validator
 
-from safeloc.config import Config
+from safeloc.config import CompositionConfig
 from safeloc.language.composition import Clause, Composition
 from safeloc.language.expr import Expr, Lit, Var, ite
 from safeloc.language.machine import Machine
@@ -39,7 +39,7 @@ from safeloc.models.vocabulary.absent import wired_interval
 NAME = "localizer_sections"
 
 
-class LocalizerSectionsConfig(Config):
+class LocalizerSectionsConfig(CompositionConfig):
     """A vehicle, its train, and the line area that it runs through; all machines have one cycle."""
 
     localizer: LocalizerConfig = LocalizerConfig(sources=("balise", "fibre"))

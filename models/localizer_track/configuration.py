@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from safeloc.config import Config
+from safeloc.config import CompositionConfig
 from safeloc.models.localizer import LocalizerConfig
 from safeloc.models.occupied_track import OccupiedTrackConfig
 from safeloc.models.turn_off import TurnOffConfig
 
 
-class LocalizerTrackConfig(Config):
+class LocalizerTrackConfig(CompositionConfig):
     """One vehicle, its course at switches, and the map that it is on; all machines have one cycle and one coordinate."""
 
     localizer: LocalizerConfig = LocalizerConfig(sources=("balise",))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from safeloc.config import Config, quantity
+from safeloc.config import CompositionConfig, quantity
 from safeloc.models.guard.variables import GuardConfig
 from safeloc.models.odometry.variables import OdometryConfig
 
 
-class MarkerDeviceConfig(Config):
+class MarkerDeviceConfig(CompositionConfig):
     """One vehicle with its readers, its odometers and its receiver; figures of the vehicle are those of `odometry`."""
 
     odometry: OdometryConfig = OdometryConfig(satellite_markers=True)

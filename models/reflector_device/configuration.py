@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from pydantic import model_validator
 
-from safeloc.config import Config, quantity
+from safeloc.config import CompositionConfig, Config, quantity
 from safeloc.models.balise.variables import BaliseConfig
 from safeloc.models.delocalized import DelocalizedConfig
 from safeloc.models.localizer.configuration import LocalizerConfig
@@ -20,7 +20,7 @@ MOST_ROUTES = 4
 """The most routes that are carried beside each other."""
 
 
-class AnchoredConfig(Config):
+class AnchoredConfig(CompositionConfig):
     """One vehicle with odometer, balise reader and radar; what they share is said once, in `motion`, and must be the same in each."""
 
     motion: MotionConfig = MotionConfig()
