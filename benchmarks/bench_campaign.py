@@ -3,6 +3,7 @@
 python -m benchmarks.bench_campaign            shares of simulation, machine and counting, for three machines
 python -m benchmarks.bench_campaign workers [SHARDS]    one process against two side by side and 1, 2 and 8 local workers, on the clock; 120 shards
                                                        unless told
+python -m benchmarks.bench_campaign killed [SHARDS]     two workers, of which one is killed every 30 s, against two that are let be
 
 Times of the first table are processor time of this process, the best of three shards; the ratio to the machine's own step in C says what the
 rest costs.
@@ -10,7 +11,10 @@ rest costs.
 
 from __future__ import annotations
 
+import math
+import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -23,7 +27,9 @@ from safeloc.campaign.counted import Counted, alert_limit_mm, to_parquet
 from safeloc.campaign.declaration import Campaign, parse_campaign
 from safeloc.campaign.judged import judge_of
 from safeloc.campaign.scenes import drawn_runs
-from safeloc.campaign.schedule import Where, run_missing
+from safeloc.campaign.schedule import Progress, Where, run_missing
+from safeloc.campaign.shards import shard_files
+from safeloc.errors import EngineError
 
 ON_LINE = """machine = "{machine}"
 cycles = 2300
@@ -122,6 +128,42 @@ def workers(shards: int) -> None:
         print(f"| workers: {number} | {taken:.1f} | {one / taken:.2f} |", flush=True)
 
 
+@dataclass
+class Killing:
+    """Kills one of the local workers every so often, as shards come in; each in its turn."""
+
+    every_s: float
+    last: float
+    killed: int = 0
+
+    def __call__(self, _: Progress) -> None:
+        """Kill one if it is time."""
+        from distributed import get_client  # takes a second to load, and only workers need it
+
+        if time.monotonic() - self.last < self.every_s:
+            return
+        pids = sorted(get_client().run(os.getpid).values())
+        if pids:
+            os.kill(pids[self.killed % len(pids)], signal.SIGKILL)
+            self.killed, self.last = self.killed + 1, time.monotonic()
+
+
+def killed(shards: int) -> None:
+    """Print the time with and without killed workers, and whether the shards are the same, to the byte. EngineError if not."""
+    campaign, names = declared("odometry", shards), []
+    print("| workers | killed | seconds |\n|---|---|---|", flush=True)
+    for every_s in (math.inf, 30.0):
+        with tempfile.TemporaryDirectory() as folder:
+            began = time.monotonic()
+            killing = Killing(every_s, began)
+            run_missing(campaign, Path(folder), Where(workers=2), killing)
+            print(f"| 2 | {killing.killed} | {time.monotonic() - began:.1f} |", flush=True)
+            names.append({file.path.name for file in shard_files(Path(folder))})
+    if names[0] != names[1]:
+        raise EngineError("the shards of both runs differ.")
+    print(f"\nthe {len(names[0])} shards of both runs are the same, to the byte")
+
+
 def side_by_side(shards: int, processes: int) -> float:
     """Return the seconds until so many processes have run their parts, each as a campaign of its own in one process."""
     command = [sys.executable, "-m", "benchmarks.bench_campaign", "alone", str(shards // processes)]
@@ -142,6 +184,8 @@ def main() -> None:
     match sys.argv[1:]:
         case ["workers", *number]:
             workers(int(number[0]) if number else 120)
+        case ["killed", *number]:
+            killed(int(number[0]) if number else 400)
         case ["alone", number]:
             alone(int(number))
         case _:
