@@ -3,6 +3,7 @@
 python -m benchmarks.bench_campaign            shares of simulation, machine and counting, for three machines
 python -m benchmarks.bench_campaign workers [SHARDS]    one process against two side by side and 1, 2 and 8 local workers, on the clock; 120 shards
                                                        unless told
+python -m benchmarks.bench_campaign caller [SHARDS]     what the process that was called does for a shard: all workers wait for it
 python -m benchmarks.bench_campaign killed [SHARDS]     two workers, of which one is killed every 30 s, against two that are let be
 
 Times of the first table are processor time of this process, the best of three shards; the ratio to the machine's own step in C says what the
@@ -23,12 +24,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from safeloc.campaign.counted import Counted, alert_limit_mm, to_parquet
+from safeloc.campaign.counted import Counted, alert_limit_mm, to_parquet, wrong_cycles
 from safeloc.campaign.declaration import Campaign, parse_campaign
 from safeloc.campaign.judged import judge_of
 from safeloc.campaign.scenes import drawn_runs
-from safeloc.campaign.schedule import Progress, Where, run_missing
-from safeloc.campaign.shards import shard_files
+from safeloc.campaign.schedule import Progress, Where, dask_modules, local_cluster, run_missing
+from safeloc.campaign.shards import run_shard, shard_files, write_shard
 from safeloc.errors import EngineError
 
 ON_LINE = """machine = "{machine}"
@@ -128,6 +129,39 @@ def workers(shards: int) -> None:
         print(f"| workers: {number} | {taken:.1f} | {one / taken:.2f} |", flush=True)
 
 
+def caller(shards: int) -> None:
+    """Print the processor time that a shard of the localizer takes from the process that was called: to hand it out, take it back, count and write it.
+
+    The worker only returns the bytes, so it is no part of that.
+    """
+    campaign = declared("localizer", 1)
+    data = run_shard(campaign.text, campaign.name, 0)
+    _, distributed = dask_modules()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        local_cluster(distributed, 1) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        client.submit(len, data, pure=False).result()
+        began, clock = time.process_time(), time.monotonic()
+        waiting, running = iter(range(shards)), set()
+        for _ in range(4):
+            running.add(client.submit(bytes, data, pure=False))
+        while running:
+            done, running = distributed.wait(running, return_when="FIRST_COMPLETED")
+            for future in done:
+                table = future.result()
+                number = next(waiting, None)
+                if number is not None:
+                    write_shard(Path(folder), number, "0" * 16, table)
+                    wrong_cycles(table)
+                    running.add(client.submit(bytes, data, pure=False))
+        taken, waited = time.process_time() - began, time.monotonic() - clock
+    print(
+        f"{shards} shards of {len(data) / 1024:.0f} kB: {taken / shards * 1000:.1f} ms of processor time each, {waited / shards * 1000:.1f} ms on the clock"
+    )
+
+
 @dataclass
 class Killing:
     """Kills one of the local workers every so often, as shards come in; each in its turn."""
@@ -184,6 +218,8 @@ def main() -> None:
     match sys.argv[1:]:
         case ["workers", *number]:
             workers(int(number[0]) if number else 120)
+        case ["caller", *number]:
+            caller(int(number[0]) if number else 500)
         case ["killed", *number]:
             killed(int(number[0]) if number else 400)
         case ["alone", number]:

@@ -145,7 +145,7 @@ def _on_workers(
 
     cores  the cores that all workers share; None if they run elsewhere
     """
-    _, distributed = _dask()
+    _, distributed = dask_modules()
 
     def handed_out(number: int) -> Any:
         return client.submit(numbered, campaign.text, campaign.name, number, made_by(), pure=False)
@@ -193,7 +193,7 @@ def numbered(text: str, name: str, number: int, by: str) -> tuple[int, bytes]:
     return number, run_shard(text, name, number)
 
 
-def _dask() -> tuple[Any, Any]:
+def dask_modules() -> tuple[Any, Any]:
     """Return the settings of Dask, and its scheduling of several computers. InputError without Dask."""
     try:
         import dask.config
@@ -209,7 +209,7 @@ def _client(where: Where) -> Iterator[tuple[Any, Callable[[], None]]]:
 
     InputError without Dask, or without the scheduler.
     """
-    config, distributed = _dask()
+    config, distributed = dask_modules()
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     settings = {
         **_UNWATCHED,
