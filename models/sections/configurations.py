@@ -16,6 +16,12 @@ CONFIGURATIONS = Configurations(
             area=AreaConfig(borders="occupancy", integrity_is_trusted=False)
         ),
         "detection inside the area": SectionsConfig(area=AreaConfig(trains=2, inner_detection=2)),
+        "detection inside the area, integrity is not trusted": SectionsConfig(
+            area=AreaConfig(trains=2, inner_detection=2, integrity_is_trusted=False)
+        ),
+        "detection inside the area, borders report occupancy alone": SectionsConfig(
+            area=AreaConfig(trains=2, borders="occupancy", inner_detection=2, entry_report_delay_ms=5_000)
+        ),
         "detection inside the area, borders report occupancy alone, integrity is not trusted": SectionsConfig(
             area=AreaConfig(trains=2, borders="occupancy", inner_detection=2, integrity_is_trusted=False)
         ),
