@@ -152,7 +152,7 @@ def test_the_page_is_in_step() -> None:
         ('"M1 after the leading reading"', '"M1 after a reading"', "MRK-1: odometry/__init__.py M1 after a reading"),
         ("`turn_off.py`", "`turn_of.py`", "RFL-12: properties/turn_of.py"),
         ('"readers swapped"', '"readers mixed"', "MRK-1: models/test_odometry_wrong_edits.py readers mixed"),
-        ('refused by "running back decreases"', 'refused by "it runs"', "FWG-9:  it runs"),
+        ('refused by "test_a_lost_corner_leaves_no_model"', 'refused by "test_it"', "RFL-10:  test_it"),
         ("**shown**: by the shape of", "**weak**: by the shape of", "RFL-10: no reason with what would mend it"),
         ("**shown** from the giving", "**good** from the giving", "FVA-D1: no judgement"),
     ],

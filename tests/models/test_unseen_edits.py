@@ -1,6 +1,7 @@
-"""Wrong edits that were written down before any claim was read: each is refused, or loses the claim or lemma named beside it.
+"""Wrong edits that were written down before any claim was read, and some of readers of the requirements: each is refused, or loses the
+claim, the lemma or the test named beside it.
 
-`unseen_edits.json` has them as text: file under models/, what stands there, what a tired engineer writes instead, and who
+`unseen_edits.json` has them as text: file under models/ (or below safeloc/), what stands there, what a tired engineer writes instead, and who
 notices. Each is made in a copy of the package. An edit whose text is no longer there has to be written anew, or dropped with a reason.
 One more of the set, standing believed by the radar alone, is in test_motion_wrong_edits.py.
 """
@@ -43,14 +44,36 @@ print(json.dumps(lost))
 def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the package that can be edited."""
     copy = tmp_path_factory.mktemp("package")
-    for part in ("safeloc", "models", "properties", "tests/models"):
+    for part in ("safeloc", "models", "properties", "tests"):
         shutil.copytree(ROOT / part, copy / part, symlinks=True, ignore=shutil.ignore_patterns("__pycache__", "*.gz"))
-    (copy / "tests" / "__init__.py").touch()
+    shutil.copy(ROOT / "pyproject.toml", copy)
     return copy
 
 
+def file_of(edit: dict[str, Any], root: Path) -> Path:
+    """The file that an edit changes."""
+    return root / edit["file"] if edit["file"].startswith("safeloc/") else root / "models" / edit["file"]
+
+
 def noticed(package: Path, edit: dict[str, Any]) -> bool | str:
-    """Whether the package as it stands loses the claim or lemma, or why it is refused."""
+    """Whether the package as it stands loses the claim, the lemma or the test, or why it is refused."""
+    environment = {**os.environ, "PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "1"}
+    if "target" not in edit:
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "--disable-plugin-autoload",
+            "-p",
+            "xdist",
+            "-p",
+            "hypothesispytest",
+            edit["refused_by"],
+        ]
+        tested = subprocess.run(command, capture_output=True, text=True, check=False, cwd=package, env=environment)
+        assert tested.returncode in (0, 1), tested.stdout
+        return tested.returncode == 1
     figures = package / "figures.json"
     figures.write_text(json.dumps(edit.get("figures", {})), encoding="utf-8")
     asked = (
@@ -61,7 +84,7 @@ def noticed(package: Path, edit: dict[str, Any]) -> bool | str:
     )
     ran = subprocess.run(
         [sys.executable, "-c", ASK, json.dumps(asked)], capture_output=True, text=True, check=True, cwd=package,
-        env={**os.environ, "PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "1"},
+        env=environment,
     )  # fmt: skip
     answer: bool | str = json.loads(ran.stdout.splitlines()[-1])
     return answer
@@ -69,9 +92,7 @@ def noticed(package: Path, edit: dict[str, Any]) -> bool | str:
 
 def test_every_edit_can_be_made() -> None:
     """What an edit replaces stands in its file exactly once."""
-    there = {
-        one["what"]: (ROOT / "models" / one["file"]).read_text(encoding="utf-8").count(one["right"]) for one in EDITS
-    }
+    there = {one["what"]: file_of(one, ROOT).read_text(encoding="utf-8").count(one["right"]) for one in EDITS}
     assert {what: count for what, count in there.items() if count != 1} == {}
 
 
@@ -79,7 +100,7 @@ def test_every_edit_can_be_made() -> None:
 @pytest.mark.parametrize("edit", EDITS, ids=[one["what"] for one in EDITS])
 def test_a_wrong_edit_is_noticed(edit: dict[str, Any], package: Path) -> None:
     """After the edit the machine is refused or the claim or lemma is lost; before it, it is kept."""
-    path, claim = package / "models" / edit["file"], edit["refused_by"]
+    path, claim = file_of(edit, package), edit["refused_by"]
     right = path.read_text(encoding="utf-8")
     path.write_text(right.replace(edit["right"], edit["wrong"]), encoding="utf-8")
     try:
