@@ -94,6 +94,14 @@ def _rejected(whole: Anchoring) -> Iterator[Property]:
         "distance to a reflector, and no place from which to search for it",
         requirements=("RFL-5", "RFL-9", "RFL-D4"),
     )
+    binds = whole.composition.of(whole.line.machine).bool(whole.line.accepted)
+    yield for_all_inputs(
+        "the survey's law binds exactly accepted groups",
+        binds.iff(whole.accepted),
+        statement="what is assumed of telegram and map is assumed of the group that the balise machine accepts in this cycle, and of no "
+        "other telegram",
+        requirements=("RFL-5", "RFL-9"),
+    )
     yield for_all_inputs(
         "only an accepted group anchors",
         (whole.located & ~earlier_bool(whole.located)).implies(whole.accepted),

@@ -106,7 +106,7 @@ def line(of_groups: BaliseConfig, of_reflectors: ReflectorConfig, *, with_switch
                 _SURVEY: _survey(of_reflectors, position, reference, accepted & _is_read(read, kept[0]), kept[1], read)
             }
         ),
-        doc="The map's next reflector. Assumed: telegram and map give one place of it.",
+        doc="The map's next reflector. Assumed: of a group that is accepted, telegram and map give one place of it.",
     )
     return Line(made, position, reference, switch, read, accepted, kept)
 
@@ -129,12 +129,13 @@ def _survey(
 
     return Law(
         (counts & position.present).implies(agrees(read.reflector) & agrees(reference)),
-        "When a group is accepted, the map gives the first reflector behind it. The distance from the group to that one, by the telegram or by the map, is the "
-        "distance of their places on the map, within the survey's accuracy. The place of a group is that of linking, else of its telegram.",
+        "When a group is accepted, the distance from it to a reflector, by the telegram or by the map, is the distance to the map's next reflector in this cycle, "
+        "within the survey's accuracy. The place of a group is that of linking, else of its telegram.",
         ("map_accuracy_mm",),
         "[D] one survey for telegram and map",
         "infrastructure",
-        "audit of the line's map: distance from balise to reflector; commissioning of every balise",
+        "audit of the line's map: distance from balise to reflector; commissioning of every balise. Of the integrator: in a cycle with a telegram the host looks up "
+        "the first reflector behind that group",
     )
 
 

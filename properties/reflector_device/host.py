@@ -19,7 +19,7 @@ from safeloc.properties.hearing import INTERVAL, hears_interval
 from safeloc.properties.reflector.figures import LAW as RADAR
 from safeloc.properties.reflector_anchor import Anchoring
 
-LAW = f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have a reflector at one place"
+LAW = f"{GROUPS}; {RADAR}; of odometer and check unit, where there are both, one keeps its law; telegram and map have the reflector behind an accepted group at one place"
 """What is assumed of the sensors that locate it."""
 REQUIREMENTS = ("RFL-1", "RFL-5")
 _OF_THE_RESTRICTIVE_STATE = ("tolerance", "no resurrection", "same step")
