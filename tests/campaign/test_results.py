@@ -23,6 +23,7 @@ from safeloc.codegen.batch import compile_batch, simulate
 from safeloc.codegen.batch_lanes import compile_lanes
 from safeloc.language.interpret import run
 from safeloc.proof.verification.replay import read_recording, run_of
+from safeloc.report.style_sheet import style_sheet
 from safeloc.runtime.streams.steps import read_steps
 from safeloc.simulation.many_runs import packed
 from tests.campaign.declared import SKIDDING, SMALL
@@ -167,8 +168,9 @@ def test_a_kept_stream_replays_alike_in_every_back_end(finished: Path) -> None:
 
 
 def test_the_page_shows_every_figure_with_its_interval(finished: Path) -> None:
-    """The words of the page; the pictures are beside it."""
+    """The words of the page, in the style of all pages; the pictures are beside it."""
     page = (finished / "index.html").read_text(encoding="utf-8")
+    assert style_sheet() in page and "font:15px" in page and "{%" not in page and "{{" not in page
     for words in (
         "0 of 10: below 2.6/10",
         "exact binomial (Clopper-Pearson)",

@@ -23,6 +23,7 @@ from safeloc.report.guard_folder import guard_page, write_guard_folder
 from safeloc.report.guard_map import Spot, guard_map
 from safeloc.report.guard_plot import Moment, guard_plot
 from safeloc.report.guard_words import WORDS
+from safeloc.report.style_sheet import style_sheet
 
 pytest.importorskip("shapely")
 pytest.importorskip("pyproj")
@@ -61,6 +62,7 @@ def test_the_page_stands_alone() -> None:
     assert 2 == len(drawings(page))
     assert [] == re.findall(r'(?:src|href)="(?!#)', page)
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+    assert style_sheet() in page and "font:15px" in page and "{%" not in page and "{{" not in page
 
 
 def test_the_map_shows_what_was_withheld() -> None:
