@@ -76,7 +76,7 @@ class Anchoring:
 
 def properties(whole: Anchoring) -> list[Property]:
     """Return the claims."""
-    makers = (_rejected, _handed_over, _distances, _by_map)
+    makers = (_rejected, _assumed, _handed_over, _distances, _by_map)
     return [prop for maker in makers for prop in maker(whole)]
 
 
@@ -94,6 +94,15 @@ def _rejected(whole: Anchoring) -> Iterator[Property]:
         "distance to a reflector, and no place from which to search for it",
         requirements=("RFL-5", "RFL-9", "RFL-D4"),
     )
+    yield for_all_inputs(
+        "only an accepted group anchors",
+        (whole.located & ~earlier_bool(whole.located)).implies(whole.accepted),
+        statement="the reflector machine reports a position again only in a cycle in which the balise machine accepted a group",
+        requirements=("RFL-5", "RFL-D3", "RFL-D4"),
+    )
+
+
+def _assumed(whole: Anchoring) -> Iterator[Property]:
     binds = whole.composition.of(whole.line.machine).bool(whole.line.accepted)
     yield for_all_inputs(
         "the survey's law binds exactly accepted groups",
@@ -101,12 +110,6 @@ def _rejected(whole: Anchoring) -> Iterator[Property]:
         statement="what is assumed of telegram and map is assumed of the group that the balise machine accepts in this cycle, and of no "
         "other telegram",
         requirements=("RFL-5", "RFL-9"),
-    )
-    yield for_all_inputs(
-        "only an accepted group anchors",
-        (whole.located & ~earlier_bool(whole.located)).implies(whole.accepted),
-        statement="the reflector machine reports a position again only in a cycle in which the balise machine accepted a group",
-        requirements=("RFL-5", "RFL-D3", "RFL-D4"),
     )
 
 

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, model_validator
 
 
 class Config(BaseModel):
@@ -20,10 +20,18 @@ class CompositionConfig(Config):
 
     @model_validator(mode="before")
     @classmethod
-    def _parts_keep_their_figures(cls, given: object) -> object:
+    def _parts_keep_their_figures(cls, given: object, info: ValidationInfo) -> object:
         if not isinstance(given, Mapping):
             return given
-        return {name: _filled(_default(cls, name), value) for name, value in given.items()}
+        read = _tupled(given) if info.mode == "json" else given
+        return {name: _filled(_default(cls, name), value) for name, value in read.items()}
+
+
+def _tupled(given: Any) -> Any:
+    """Return data of JSON with its lists as tuples: what a validator returns is checked as strictly as Python's own data."""
+    if isinstance(given, Mapping):
+        return {name: _tupled(value) for name, value in given.items()}
+    return tuple(_tupled(value) for value in given) if isinstance(given, list) else given
 
 
 def _default(kind: type[BaseModel], name: object) -> object:

@@ -63,6 +63,9 @@ def test_a_part_given_in_part_keeps_the_figures_of_the_composition() -> None:
     assert Trip(way_mm=7_000, speed_mm_s=3_000) == Journey.model_validate({"there": {"speed_mm_s": 3_000}}).there
     assert Trip(speed_mm_s=3_000) == Journey.model_validate({"back": {"speed_mm_s": 3_000}}).back
     assert Journey(there=Trip()).there == Trip()
+    told = Journey(there=Trip(), stops=(1, 2))
+    assert told == Journey.model_validate_json(told.model_dump_json()) == Journey.model_validate(told.model_dump())
+    assert Trip(way_mm=7_000, speed_mm_s=3_000) == Journey.model_validate_json('{"there": {"speed_mm_s": 3000}}').there
     with pytest.raises(ValidationError, match=r"there\.speed\n"):
         Journey.model_validate({"there": {"speed": 3_000}})
     with pytest.raises(ValidationError, match=r"there\n.*valid dictionary"):

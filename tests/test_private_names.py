@@ -13,8 +13,8 @@ from tests.rooms import ROOT, parsed
 
 OWN = ("safeloc", "models", "properties")
 USERS = (*OWN, "tests", "benchmarks", "packaging")
-HOOKS = {"pytest_addoption", "pytest_collect_file"}
-"""Functions of the plugin that pytest finds by their names."""
+HOOKS = {"pytest_addoption", "pytest_collect_file", "dask_setup"}
+"""Functions that pytest finds in the plugin by their names, and Dask in what its workers load."""
 WORD = re.compile(r"[A-Za-z_]\w*")
 TYPE = re.compile(r"[A-Z]\w*[a-z]\w*")
 """Types are named by the signatures of public functions, which return them."""

@@ -112,7 +112,7 @@ def test_the_examples_of_the_documentation_are_accepted(name: str) -> None:
     path = Path(__file__).parents[2] / "docs" / "examples" / name
     campaign = parse_campaign(path.read_text(encoding="utf-8"), str(path))
     check_strata(campaign)
-    assert len(campaign.strata) in (3, 51, 30)
+    assert len(campaign.strata) in (3, 51, 33)
 
 
 def test_a_journey_that_there_is_not_is_refused() -> None:
