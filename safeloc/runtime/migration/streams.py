@@ -44,15 +44,19 @@ def migrated(path: Path, ships: Collection[str]) -> tuple[str, tuple[Change, ...
     return "".join(f"{line}\n" for line in lines), summed(changes)
 
 
+_BESIDE = {"reflector": "balise", "taking": "giving"}
+"""Machine -> the one beside which it has inputs no more that are its own without it."""
+
+
 def _refuse_wired(path: Path, seen: Mapping[str, int]) -> None:
-    """Refuse a stream with inputs that other machines give now; those of reflectors only beside balises, which anchor them.
+    """Refuse a stream with inputs that other machines give now, where it has the machines that say so.
 
     seen    the names in the stream, each with its first line
     """
-    anchored = any(name.startswith("balise.") for name in seen)
+    machines = {name.partition(".")[0] for name in seen}
     for name, number in seen.items():
         giver = wired_from(name)
-        if giver and (anchored or not name.startswith("reflector.")):
+        if giver and _BESIDE.get(name.partition(".")[0]) in machines:
             raise StreamError(
                 f"{path}:{number}: has {name!r}, which is no input any more: {giver} gives it. Record the stream again (docs/migrating.md)."
             )

@@ -14,6 +14,7 @@ from safeloc.runtime.migration import migrate
 from safeloc.runtime.streams.steps import read_steps, write_steps
 from tests.runtime.migration.migrating import SHIPS, changed, migrated, no_machine
 
+ROOT = Path(__file__).parents[3]
 HEADER = {
     "schema": "safeloc-stream/1",
     "machine": "delocalized",
@@ -131,3 +132,21 @@ def test_a_machine_says_who_gives_a_former_input_now() -> None:
     said = "; 'reflector.balise' is no input any more, the balise machine gives it (docs/migrating.md)"
     assert said == renamed(["reflector.balise"], localizer)
     assert "" == renamed(["reflector.balise", "reflector.next_position_mm"], ["front_wheel_mm"])
+
+
+OF_COMPOSITIONS = (
+    "localizer",
+    "localizer_sections",
+    "localizer_track",
+    "reflector_device",
+    "fibre_area",
+    "counted_entry",
+)
+
+
+@pytest.mark.parametrize("name", OF_COMPOSITIONS)
+def test_the_recordings_of_compositions_have_the_current_names(name: str) -> None:
+    """What is wired in one composition may be an input of another: none of what ships is refused or changed."""
+    paths = sorted((ROOT / "models" / name / "recordings").glob("*.jsonl.gz"))
+    found = [migrate(path, ships=SHIPS, fingerprint=no_machine) for path in paths]
+    assert paths and [one.changes for one in found] == [()] * len(paths)
