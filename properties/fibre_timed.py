@@ -53,14 +53,12 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
 def properties(whole: FibreTimed) -> list[Property]:
     """Return the properties of the whole device."""
-    return [
-        *_true_times(whole),
-        *_compared(whole),
-        *_handed(whole),
-        *_differs(whole),
-        *_kept(whole),
-        *_reached(whole),
-    ]
+    return [*of_one_end(whole), *_kept(whole), *_reached(whole)]
+
+
+def of_one_end(whole: FibreTimed) -> list[Property]:
+    """Return what is claimed of sections and time of flight together, of one end."""
+    return [*_true_times(whole), *_compared(whole), *_handed(whole), *_differs(whole)]
 
 
 # ------------------------------------------------------------------ terms

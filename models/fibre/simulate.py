@@ -42,6 +42,7 @@ class Drive:
     speeds_mm_s  speed of every cycle, negative: backwards
     missed       numbers of sections whose amplitude does not change; false_mm: places where it changes without a section
     referred     a reference is accepted in cycle number `refers_in`; otherwise the code has to give the place
+    sections_below  number of sections below the place of the start, and of that reference
     flight_off_mm  error of the time of flight; None: it is not measured
     points_mm    reflecting points that coincide when the front is near them
     start_mm     position of the end before the first cycle; stuck_mm: stretch in which the amplitude stays raised
@@ -52,6 +53,7 @@ class Drive:
     false_mm: tuple[int, ...] = ()
     referred: bool = True
     refers_in: int = 0
+    sections_below: int = 0
     flight_off_mm: int | None = 0
     points_mm: tuple[int, ...] = ()
     start_mm: int = 0
@@ -66,6 +68,11 @@ def line(config: FibreConfig, count: int = 12, spacing_mm: int = SPACING_MM) -> 
         Section(place, place + (config.long_mm if symbol.long else config.short_mm), symbol)
         for place, symbol in zip(places, symbols, strict=True)
     ]
+
+
+def below(sections: Sequence[Section], place_mm: int) -> int:
+    """Return the number of sections that begin below a place."""
+    return sum(section.low_mm < place_mm for section in sections)
 
 
 def steady(speed_mm_s: int = 30_000, cycles: int = 900) -> tuple[int, ...]:
@@ -97,7 +104,8 @@ class _Run:
         self.state = self.code.first()
         coded = len(sections) >= config.window
         self.words = make_code(len(sections), config.window, config.reach) if coded else None
-        self.truth_nm, self.edge_nm, self.count, self.inside = drive.start_mm * NM_PER_MM, 0, 0, 0
+        self.truth_nm, self.edge_nm, self.inside = drive.start_mm * NM_PER_MM, 0, 0
+        self.count = drive.sections_below
         self.real, self.upwards = False, True
         spread = config.edge_tolerance_mm * 8 // 10
         self.shifts = self.rng.integers(-spread, spread, endpoint=True, size=(len(sections) + 1, 2))
@@ -154,7 +162,7 @@ class _Run:
         return records
 
     def _references(self, number: int) -> dict[str, Cell]:
-        """Return the counter's reference at the start, and the map's answer to a word."""
+        """Return the counter's reference, in its cycle, and the map's answer to a word."""
         outputs = self.code.named_outputs(self.state)
         found = None
         if self.words is not None and int(outputs["word_length"]) == self.config.window:
@@ -165,7 +173,7 @@ class _Run:
             section = self.sections[last - 1]
             place, count = (section.high_mm, last) if direction > 0 else (section.low_mm, last - 1)
         return {
-            "reference_accepted": self._is_referred(number), "reference_count": 0,
+            "reference_accepted": self._is_referred(number), "reference_count": self.drive.sections_below,
             "reference_position_mm": self.truth_nm // NM_PER_MM,
             "word_found": found is not None, "word_count": count, "word_position_mm": place,
         }  # fmt: skip
@@ -183,7 +191,7 @@ class _Run:
         elif enters or leaves:
             self.edge_nm = self.truth_nm
         if referred:
-            self.count = 0
+            self.count = self.drive.sections_below
         return {
             "true_run_nm": true_run, "next_true_edge_nm": self.edge_nm, "next_true_count": self.count,
             "next_section_is_real": self.real,

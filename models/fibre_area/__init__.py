@@ -46,7 +46,9 @@ The axle counter that makes the record is no part of the step: it works five tim
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from pydantic import model_validator
 
@@ -134,6 +136,22 @@ class FibreAreaConfig(Config):
 
 
 @dataclass(frozen=True, eq=False)
+class Sensors:
+    """What a larger composition adds to the machines of an area: the machines before them, and their wires (models.fibre_device).
+
+    name       of the composition
+    machines   before those of the area
+    wires, shared, discharge  as `compose` takes them, beside those of the area
+    """
+
+    name: str = "fibre_area"
+    machines: Sequence[Machine] = ()
+    wires: Mapping[Var, Expr] = field(default_factory=dict)
+    shared: Sequence[Var] = ()
+    discharge: Sequence[Clause] = ()
+
+
+@dataclass(frozen=True, eq=False)
 class FibreArea:
     """The machines, and their composition."""
 
@@ -154,11 +172,30 @@ class FibreArea:
 def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
     """Return all machines of one train and its area in one step (FVA-1, FVA-9)."""
     config = config or FibreAreaConfig()
+    front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
+    return joined(config, *machines_of(config, front, rear))
+
+
+class Machines(NamedTuple):
+    """The machines of an area, in the order of the step."""
+
+    axle_section: AxleSection
+    entry: Entry
+    order: TrainOrder
+    front: Fibre
+    rear: Fibre
+    emitter: Emitter
+    verification: Verification
+    report: Report
+    area: Area
+    sections: tuple[Section, ...]
+
+
+def machines_of(config: FibreAreaConfig, front: Fibre, rear: Fibre) -> Machines:
+    """Return all machines of one train and its area, with the given ones of its ends."""
     area_parts = area_model.parts(config.sections.area)
     first = area_parts.slots[:1]
-    front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
-    pattern_limit_um = front.own.ghosts.truth.high // 1_000 + 1
-    machines = (
+    return Machines(
         axle_section_model.build(axle_section_model.parts(config.axle_section)),
         entry_model.build(entry_parts(config)),
         train_order_model.build(train_order_model.parts(TrainOrderConfig(trains=config.sections.area.trains))),
@@ -166,11 +203,10 @@ def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
         rear,
         emitter_model.build(emitter_model.parts(config.emitter)),
         verification_model.build(verification_model.parts(config.verification), place_kept=True),
-        report_model.build(_report_parts(config, pattern_limit_um)),
+        report_model.build(_report_parts(config, front.own.ghosts.truth.high // 1_000 + 1)),
         area_model.build(area_parts, kept=first, counted_out=first),
+        tuple(section(config.sections, f"section_{n}") for n in range(1, config.sections.sections + 1)),
     )
-    cuts = tuple(section(config.sections, f"section_{n}") for n in range(1, config.sections.sections + 1))
-    return joined(config, *machines, cuts)
 
 
 def entry_parts(config: FibreAreaConfig) -> entry_model.Parts:
@@ -207,9 +243,12 @@ def joined(
     report: Report,
     area: Area,
     sections: tuple[Section, ...],
+    sensors: Sensors | None = None,
 ) -> FibreArea:
-    """Return the given machines, wired."""
+    """Return the given machines, wired, behind the given sensors."""
+    sensors = sensors or Sensors()
     wires: dict[Var, Expr] = {
+        **sensors.wires,
         **_entry_wires(entry, axle_section, order),
         **_order_wires(order, axle_section, entry),
         **_verification_wires(verification, front, rear, emitter, entry, order),
@@ -221,10 +260,16 @@ def joined(
     first = [axle_section.machine, entry.machine, order.machine, front.machine, rear.machine, emitter.machine]
     then = [verification.machine, report.machine, area.machine, *(one.machine for one in sections)]
     composition = compose(
-        "fibre_area",
-        [*first, *then],
+        sensors.name,
+        [*sensors.machines, *first, *then],
         wires,
-        discharge=[Clause(entry.machine, EXACT), Clause(entry.machine, EMPTY), Clause(area.machine, CLEAR_CLAUSE)],
+        shared=sensors.shared,
+        discharge=[
+            *sensors.discharge,
+            Clause(entry.machine, EXACT),
+            Clause(entry.machine, EMPTY),
+            Clause(area.machine, CLEAR_CLAUSE),
+        ],
     )
     return FibreArea(
         config, axle_section, entry, order, front, rear, emitter, verification, report, area, sections, composition
@@ -235,18 +280,24 @@ def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> 
     """Return the wires of the entry: counted axles, and the trains that were outermost, by the order before the step."""
     own, heads = entry.own, axle_section.own
     earlier = _earlier(order.machine)
-    outermost = (order.machine.output(f"outermost_{side}") for side in ("low", "high"))
     return {
         own.clear: axle_section.machine.flag("clear"),
         own.axle_between: heads.axles > 0,
         own.occupied: axle_section.machine.flag("healthy") & ~axle_section.machine.flag("clear"),
         own.counters_count: axle_section.machine.flag("healthy") & earlier.bool(order.machine.flag("ordered")),
-        **{to: _in_range(earlier.num(one), to) for to, one in zip(own.outermost, outermost, strict=True)},
+        **outermost_before(order, own.outermost),
         **dict(zip(own.axles_in, heads.into, strict=True)),
         **dict(zip(own.axles_out, heads.out, strict=True)),
         **dict(zip(own.passed_in, heads.true_into, strict=True)),
         **dict(zip(own.passed_out, heads.true_out, strict=True)),
     }
+
+
+def outermost_before(order: TrainOrder, low_and_high: Sequence[NumVar]) -> dict[Var, Num]:
+    """Return the wires of the trains that were outermost at the low and the high end, by the order before the step."""
+    earlier = _earlier(order.machine)
+    outermost = (earlier.num(order.machine.output(f"outermost_{side}")) for side in ("low", "high"))
+    return {to: _in_range(one, to) for to, one in zip(low_and_high, outermost, strict=True)}
 
 
 def _in_range(number: Num, to: NumVar) -> Num:

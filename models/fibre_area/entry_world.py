@@ -21,6 +21,8 @@ from safeloc.models.verification.variables import NOBODY
 EXACT = "undisturbed counters count every axle"
 EMPTY = "clear counters have no axle between them"
 "The laws that the axle section guarantees."
+SOUND = "a sound reference counts the train's axles"
+"The law that the counters' own records guarantee, where they are beside it (models.fibre_device)."
 
 
 def world(own: Parts) -> World:
@@ -184,7 +186,7 @@ def _clauses(own: Parts, seen: _Cycle) -> dict[str, Law]:
         ),
         "the axles at an end are those of the outermost train": _outermost_law(own, seen),
         "no unannounced vehicle passes a train": _beside_law(own, seen),
-        "a sound reference counts the train's axles": Law(
+        SOUND: Law(
             (seen.is_there & own.comes.ne(NOBODY) & own.record_sound).implies(own.record_axles <= seen.axles),
             "A reference that comes undisturbed while the train is in the area has no more axles than the train.",
             source="[S] FVA-4: the sensor is safe; FVA-D1: the neighbour hands over what it verified",

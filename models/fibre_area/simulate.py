@@ -6,12 +6,13 @@ messages of axle counter and emitter. One train runs from the low end to the hig
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from safeloc.language.nodes import Value
 from safeloc.language.units import MS_PER_S, NM_PER_UM, UM_PER_MM
-from safeloc.models.fibre.simulate import Drive, Section, line, simulate
+from safeloc.models.fibre.simulate import Drive, Section, below, line, simulate
 from safeloc.models.fibre_area import FibreAreaConfig
 from safeloc.models.fibre_area.simulated_counters import come_in, heads, inside, passed, sweep
 from safeloc.runtime.streams.steps import Cell
@@ -27,8 +28,9 @@ _PATTERN = ("amplitude_cdb", "run_mm", "flight_position_mm", "reflecting_point_m
 
 @dataclass(frozen=True)
 class Journey:
-    """One train and its messages, once the counters are clear. Cycles count from there; the train's front enters at the low end in cycle `enters`.
+    """One train and its messages, once the counters are clear. Cycles count from there; the train comes in at the low end in cycle `enters`.
 
+    from_high    it comes in at the high end; then its speed is negative
     speeds_mm_s  the speed from a cycle on, reached by traction or brakes; negative: back towards the low end
     spacing_mm   distance between the line's sections, the first of which lies so far inside the area
     silent       (from, to) cycles in which the detector does not follow the pattern
@@ -48,6 +50,7 @@ class Journey:
 
     cycles: int = 150
     enters: int = 0
+    from_high: bool = False
     speeds_mm_s: tuple[tuple[int, int], ...] = ((0, 40_000),)
     spacing_mm: int = 1_000_000
     silent: tuple[int, int] | None = None
@@ -84,10 +87,17 @@ def _speeds(config: FibreAreaConfig, journey: Journey) -> tuple[int, ...]:
 
 
 def _start_mm(config: FibreAreaConfig, journey: Journey) -> int:
-    """Return the front's place before the first cycle, from which it comes to the low end in time, mm."""
+    """Return the front's place before the first cycle, from which the train comes to its end of the area in time, mm."""
     enters = len(sweep(config.axle_section)) + journey.enters
     run = sum(_speeds(config, journey)[:enters]) * config.fibre.period_ms // MS_PER_S
-    return journey.area_mm[0] - run
+    begins, ends = journey.area_mm
+    return (ends + journey.length_mm + 1 if journey.from_high else begins) - run
+
+
+def _sections_below(config: FibreAreaConfig, journey: Journey) -> int:
+    """Return the number of sections of the line below the place of the start."""
+    sections = line(config.fibre, spacing_mm=journey.spacing_mm)
+    return below(sections, _start_mm(config, journey) - journey.length_mm)
 
 
 def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
@@ -101,7 +111,8 @@ def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
         "area.train_1_true_rear_um": rear, "area.train_1_true_front_um": front,
         "front.truth_nm": front * NM_PER_UM, "rear.truth_nm": rear * NM_PER_UM,
     }  # fmt: skip
-    first |= {f"{end}.{ghost}": 0 for end in ("front", "rear") for ghost in ("true_edge_nm", "true_count")}
+    for name in ("front", "rear"):
+        first |= {f"{name}.true_edge_nm": 0, f"{name}.true_count": _sections_below(config, journey)}
     first |= {f"{end}.section_is_real": False for end in ("front", "rear")}
     for number, (start, end) in enumerate(journey.cuts_mm, 1):
         first |= {f"section_{number}.from_mm": start, f"section_{number}.to_mm": end}
@@ -111,24 +122,30 @@ def first_state(config: FibreAreaConfig, journey: Journey) -> dict[str, Value]:
 def simulate_journey(config: FibreAreaConfig, *, seed: int, journey: Journey | None = None) -> Steps:
     """Return the steps of one stay, with the front's true place as the remark `truth_mm`; while the train comes near, the area is swept."""
     journey = journey or Journey()
-    ends, begins = _ends(config, journey, seed), -len(sweep(config.axle_section))
-    world = _World(config, journey)
+    ends, begins = simulated_ends(config, journey, seed), -len(sweep(config.axle_section))
+    world = World(config, journey)
     return [world.step(cycle, front, rear) for cycle, (front, rear) in enumerate(zip(*ends, strict=True), begins)]
 
 
-def _ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tuple[Steps, Steps]:
+def simulated_ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tuple[Steps, Steps]:
     """Return the inputs of the fibre machines of both ends."""
     sections: list[Section] = line(config.fibre, spacing_mm=journey.spacing_mm)
     start = _start_mm(config, journey)
     refers_in = len(sweep(config.axle_section))
-    drive = Drive(_speeds(config, journey), referred=journey.referred, refers_in=refers_in, start_mm=start)
+    drive = Drive(
+        _speeds(config, journey),
+        referred=journey.referred,
+        refers_in=refers_in,
+        sections_below=_sections_below(config, journey),
+        start_mm=start,
+    )
     front = replace(drive, missed=journey.front_missed, stuck_mm=journey.front_stuck)
     rear = replace(drive, missed=journey.rear_missed, stuck_mm=journey.rear_stuck, start_mm=start - journey.length_mm)
     found = [simulate(config.fibre, seed=seed + n, drive=one, sections=sections) for n, one in enumerate((front, rear))]
     return found[0], found[1]
 
 
-class _World:
+class World:
     """The train, the counters and the emitter. Cycles below 0 are of the sweep."""
 
     def __init__(self, config: FibreAreaConfig, journey: Journey) -> None:
@@ -168,6 +185,16 @@ class _World:
             step |= {"emitter.heard_pattern": emitter.pattern, "emitter.heard_place_mm": emitter.place_mm}
         return step
 
+    @property
+    def axles_mm(self) -> Sequence[int]:
+        """Places of the train's axles after the last cycle, from its foremost one."""
+        return self._axles_mm
+
+    @property
+    def others_mm(self) -> Sequence[int]:
+        """The same of the train that nobody announced."""
+        return self._others_mm
+
     def _silent(self, cycle: int) -> bool:
         return _during(cycle, self._journey.silent)
 
@@ -182,11 +209,17 @@ class _World:
         swept = {f"axle_section.{name}": cell for name, cell in self._sweep[cycle].items()} if cycle < 0 else {}
         return {
             **heads(passes, passes), **swept,
-            "entry.enters_low": int(cycle == self._journey.enters), "entry.enters_high": 0,
+            **self._enters(cycle),
             "entry.leaves_low": out[0], "entry.leaves_high": out[1],
             "entry.reference_comes": self._journey.sender if cycle == self._journey.record else "NOBODY",
             "entry.axles_of_one_that_enters": self._journey.axles, **come_in("own", own), **come_in("other", others),
         }  # fmt: skip
+
+    def _enters(self, cycle: int) -> dict[str, Cell]:
+        """Announce the train in the cycle in which it comes in."""
+        comes = int(cycle == self._journey.enters)
+        here, there = ("high", "low") if self._journey.from_high else ("low", "high")
+        return {f"entry.enters_{here}": comes, f"entry.enters_{there}": 0}
 
     def _axles_passed(self, cycle: int, low_mm: int, high_mm: int) -> tuple[dict[str, int], dict[str, int]]:
         """Return the axles of the train, and of one that nobody announced, that came into the area and left it since the previous cycle."""
@@ -223,7 +256,7 @@ class _World:
 
     def _record(self, cycle: int, front_mm: int) -> dict[str, Cell]:
         """Return the counter's record, valid in the cycle in which it comes."""
-        journey, speed = self._journey, self._speed(cycle)
+        journey, speed = self._journey, self.speed_mm_s(cycle)
         return {
             "entry.record_sound": True, "entry.record_axles": journey.axles,
             "verification.record_length_low_mm": journey.length_mm - 4_000,
@@ -241,7 +274,7 @@ class _World:
             "report.reading_age_ms": 0,
         }  # fmt: skip
         if not self._silent(cycle):
-            step["verification.fibre_speed_mm_s"] = self._speed(cycle)
+            step["verification.fibre_speed_mm_s"] = self.speed_mm_s(cycle)
         if cycle % journey.counted_every == 0 and not self._silent(cycle):
             step["verification.fibre_length_mm"] = length_mm
             if not _during(cycle, journey.uncounted):
@@ -252,13 +285,13 @@ class _World:
         """Return the condition that the train has lost its last axles."""
         return self._journey.split is not None and cycle >= self._journey.split
 
-    def _speed(self, cycle: int) -> int:
+    def speed_mm_s(self, cycle: int) -> int:
         """Return the speed of a cycle, mm/s; negative towards the low end."""
         return self._speeds[cycle + len(self._sweep)]
 
     def _ran_mm(self, cycle: int) -> int:
         """Return the run of a cycle, mm; negative towards the low end."""
-        return self._speed(cycle) * self._config.fibre.period_ms // MS_PER_S
+        return self.speed_mm_s(cycle) * self._config.fibre.period_ms // MS_PER_S
 
     def _axles(self) -> int:
         """Return the detector's count: it contains lost axles until the train has run on."""

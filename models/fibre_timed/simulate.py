@@ -48,12 +48,12 @@ def timed(config: FibreTimedConfig, drive: Drive, told: Timed, seed: int) -> Ste
         named = {name if name in _OF_THE_WHOLE else f"fibre.{name}": cell for name, cell in features.items()}
         if cycle in told.unheard:
             del named["amplitude_cdb"]
-        flight = _flight(config, int(seen["truth_mm"]), told, cycle, rng)
+        flight = flight_cells(config, int(seen["truth_mm"]), told, cycle, rng)
         steps.append(named | {f"time_of_flight.{name}": cell for name, cell in flight.items()})
     return steps
 
 
-def _flight(config: FibreTimedConfig, truth_mm: int, told: Timed, cycle: int, rng: Random) -> dict[str, Cell]:
+def flight_cells(config: FibreTimedConfig, truth_mm: int, told: Timed, cycle: int, rng: Random) -> dict[str, Cell]:
     """Return the delay to an end at this place, and the surveyed point nearest to it; the cable is longer by half its slack."""
     own = config.time_of_flight
     distance_um = (_START_MM + _cable_mm(config, truth_mm)) * UM_PER_MM

@@ -1,0 +1,199 @@
+"""Simulated stays of a train in an area with all its sensors, as steps of the whole device.
+
+Train, detector and emitter are those of `models.fibre_area.simulate`; the counting heads hear the axles of that train, and the light runs to
+its ends and back. No record is written: the counters make it.
+
+`python -m safeloc.models.fibre_device.simulate` writes the recordings that ship.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from random import Random
+
+from safeloc.language.nodes import Value
+from safeloc.models.fibre_area.simulate import REMARK, Journey, World, first_state, simulated_ends
+from safeloc.models.fibre_area.simulated_counters import sweep
+from safeloc.models.fibre_device.configuration import FibreDeviceConfig
+from safeloc.models.fibre_device.heads import Head
+from safeloc.models.fibre_timed.simulate import Timed, flight_cells
+from safeloc.runtime.streams.steps import Cell, write_steps
+
+Steps = list[dict[str, Cell]]
+CONFIG = FibreDeviceConfig()
+FOLDER = Path(__file__).with_name("recordings")
+_AFTER_THE_SWEEP = 62
+"A train comes in this many cycles after the counters are clear: at the headway after the trolley."
+_LONG_MM = (0, 3_000_000)
+_ENDS = ("front", "rear")
+_OF_THE_END = ("amplitude_cdb", "true_run_nm")
+_WIRED = (
+    "axle_section.axles_", "axle_section.true_axles_", "axle_section.head_", "entry.enters_", "entry.reference_", "entry.record_",
+    "entry.axles_of_one", "verification.record_",
+)  # fmt: skip
+"""Inputs of the area that the machines before it tell, by how their names begin."""
+NOBODY: Mapping[str, Cell] = {
+    "neighbour_sends": False, "neighbour_sound": False, "neighbour_axles": 0, "neighbour_length_low_mm": 0, "neighbour_length_high_mm": 0,
+    "neighbour_speed_low_mm_s": 0, "neighbour_speed_high_mm_s": 0, "neighbour_place_low_mm": 0, "neighbour_place_high_mm": 0,
+    "neighbour_age_cycles": 0,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Stay:
+    """A journey, and what its sensors tell besides.
+
+    told      of the time of flight
+    spoilt    end -> cycle of the journey -> cells of that counter's head that are others
+    """
+
+    journey: Journey
+    told: Timed = Timed()
+    spoilt: Mapping[str, Mapping[int, Mapping[str, Cell | None]]] = field(default_factory=dict)
+
+
+def simulate(config: FibreDeviceConfig, *, seed: int, journey: Journey | None = None) -> Steps:
+    """Return the steps of one stay."""
+    return simulate_stay(config, Stay(journey or SERVICE), seed=seed)
+
+
+def simulate_stay(config: FibreDeviceConfig, stay: Stay, *, seed: int) -> Steps:
+    """Return the steps of one stay, with the front's true place as the remark `truth_mm`."""
+    made = _Sensed(config, stay, seed)
+    ends = simulated_ends(config.area, stay.journey, seed)
+    begins = -len(sweep(config.area.axle_section))
+    return [made.step(cycle, front, rear) for cycle, (front, rear) in enumerate(zip(*ends, strict=True), begins)]
+
+
+class _Sensed:
+    """The train of an area, its counting heads and its light. Cycles below 0 are of the sweep."""
+
+    def __init__(self, config: FibreDeviceConfig, stay: Stay, seed: int) -> None:
+        self._config, self._stay, self._rng = config, stay, Random(seed)
+        self._world = World(config.area, stay.journey)
+        low, high = stay.journey.area_mm
+        self._heads = {"low": Head(config.counter, low), "high": Head(config.counter, high)}
+        self._sweep = sweep(config.area.axle_section)
+
+    def step(self, cycle: int, front: dict[str, Cell], rear: dict[str, Cell]) -> dict[str, Cell]:
+        """Return one cycle."""
+        before = self._axles()
+        area = self._world.step(cycle, front, rear)
+        counted = self._counted(cycle, before)
+        reference = {f"reference.{name}": cell for name, cell in self._reference(area).items()}
+        return {**_named(area), **counted, **reference, **self._flights(cycle, front, rear)}
+
+    def _axles(self) -> list[int]:
+        return [*self._world.axles_mm, *self._world.others_mm]
+
+    def _counted(self, cycle: int, before_mm: Sequence[int]) -> dict[str, Cell]:
+        """Return what the heads at both ends tell."""
+        cells = dict[str, Cell]()
+        for end, (side, head) in enumerate(self._heads.items()):
+            if cycle < 0:
+                told = head.trolley(int(self._sweep[cycle][("axles_in_low", "axles_out_high")[end]]))
+                told["passage_over"] = cycle == -len(self._sweep)
+            else:
+                told = head.cycle(before_mm, self._axles(), self._world.speed_mm_s(cycle))
+            changed = {**told, **self._stay.spoilt.get(side, {}).get(cycle, {})}
+            cells |= {f"counter_{side}.{name}": cell for name, cell in changed.items() if cell is not None}
+        return cells
+
+    def _reference(self, area: Mapping[str, Cell]) -> dict[str, Cell]:
+        """Return who comes in, and what the neighbour sends."""
+        told: dict[str, Cell] = {
+            name: area[f"entry.{name}"] for name in ("enters_low", "enters_high", "axles_of_one_that_enters")
+        }
+        if area["entry.reference_comes"] != "NEIGHBOUR":
+            return {**NOBODY, **told}
+        names = [name.removeprefix("neighbour_") for name in NOBODY if name != "neighbour_sends"]
+        sent = {f"neighbour_{name}": _record(area, name) for name in names}
+        return {**told, "neighbour_sends": True, **sent}
+
+    def _flights(self, cycle: int, front: Mapping[str, Cell], rear: Mapping[str, Cell]) -> dict[str, Cell]:
+        """Return the delays of light to both ends, and the surveyed points nearest to them."""
+        cells = dict[str, Cell]()
+        for name, end in zip(_ENDS, (front, rear), strict=True):
+            told = flight_cells(self._config.timed, int(end[REMARK]), self._stay.told, max(cycle, 0), self._rng)
+            cells |= {f"{name}_flight.{key}": cell for key, cell in told.items()}
+        return cells
+
+
+def _named(area: Mapping[str, Cell]) -> dict[str, Cell]:
+    """Return the inputs of the area that are inputs of the whole, by their names there."""
+    shared = {f"{end}.{name}": f"{end}_{name}" for end in _ENDS for name in _OF_THE_END}
+    left_out = {f"{end}.flight_position_mm" for end in _ENDS}
+    return {
+        shared.get(name, name): cell
+        for name, cell in area.items()
+        if name not in left_out and not name.startswith(_WIRED)
+    }
+
+
+def _record(area: Mapping[str, Cell], name: str) -> Cell:
+    machine = "entry" if name in ("sound", "axles") else "verification"
+    return area[f"{machine}.record_{name}"]
+
+
+# ------------------------------------------------------------------ recordings
+
+SERVICE = Journey(cycles=240, enters=_AFTER_THE_SWEEP, area_mm=_LONG_MM, tested=_AFTER_THE_SWEEP)
+_FROM_HIGH = Journey(
+    cycles=240,
+    enters=_AFTER_THE_SWEEP,
+    area_mm=_LONG_MM,
+    tested=_AFTER_THE_SWEEP,
+    from_high=True,
+    speeds_mm_s=((0, -40_000),),
+)
+_HANDED_OVER = Journey(
+    cycles=110,
+    enters=_AFTER_THE_SWEEP,
+    area_mm=_LONG_MM,
+    tested=_AFTER_THE_SWEEP,
+    record=_AFTER_THE_SWEEP + 1,
+    sender="NEIGHBOUR",
+)
+_SHORT = Journey(cycles=100, enters=_AFTER_THE_SWEEP, area_mm=_LONG_MM, tested=_AFTER_THE_SWEEP)
+RUNS: Mapping[str, Stay] = {
+    "service": Stay(SERVICE, Timed(untimed=(90, 91))),
+    "from-high": Stay(_FROM_HIGH),
+    "handed-over": Stay(_HANDED_OVER),
+    "no-speed": Stay(
+        _SHORT, spoilt={"low": {_AFTER_THE_SWEEP + 4: {"axle_speed_low_mm_s": None}, 90: {"passage_over": True}}}
+    ),
+}
+"""The recordings that ship, by the end of their name: a train that comes in at the low end; one at the high end; one that is handed over before its record is
+there; one of which the head does not tell the speed of an axle."""
+
+
+def write(folder: Path, stays: Mapping[str, Stay] = RUNS) -> list[Path]:
+    """Write the recordings anew; return their paths."""
+    paths = list[Path]()
+    for name, stay in stays.items():
+        paths.append(folder / f"fibre_device-{name}.jsonl.gz")
+        steps, first = simulate_stay(CONFIG, stay, seed=1), first_values(CONFIG, stay.journey)
+        write_steps(paths[-1], steps, machine="fibre_device", first=first, short=True)
+    return paths
+
+
+def first_values(config: FibreDeviceConfig, journey: Journey) -> dict[str, Value]:
+    """Return the open values at the start: those of the area, and of the counters' worlds."""
+    first = first_state(config.area, journey)
+    shared = {f"{end}.truth_nm": f"{end}_truth_nm" for end in _ENDS}
+    values = {shared.get(name, name): value for name, value in first.items()}
+    for side in ("low", "high"):
+        pause = config.counter.headway_ms // config.counter.period_ms + 1
+        values |= {
+            f"counter_{side}.true_speed_um_s": 0, f"counter_{side}.true_pause_cycles": pause,
+            f"counter_{side}.last_axle_upwards": True,
+        }  # fmt: skip
+    for end in _ENDS:
+        values |= {f"{end}_flight.true_distance_um": 0, f"{end}_flight.truth_nm": 0, f"{end}_additional.truth_nm": 0}
+    return values
+
+
+if __name__ == "__main__":
+    print(*write(FOLDER), sep="\n")
