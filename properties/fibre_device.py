@@ -122,9 +122,8 @@ def _read(whole: FibreDevice, var: Num) -> Num:
 
 
 def _sound(whole: FibreDevice) -> Bool:
-    """The verification reads a record, and reads it as sound."""
-    own = whole.area.verification.own
-    return whole.composition.of(whole.area.verification.machine).bool(own.due & own.sound)
+    """The verification reads a record as sound."""
+    return whole.composition.of(whole.area.verification.machine).bool(whole.area.verification.own.sound)
 
 
 def _sender(whole: FibreDevice) -> Num:

@@ -297,10 +297,10 @@ def outermost_before(order: TrainOrder, low_and_high: Sequence[NumVar]) -> dict[
     """Return the wires of the trains that were outermost at the low and the high end, by the order before the step."""
     earlier = _earlier(order.machine)
     outermost = (earlier.num(order.machine.output(f"outermost_{side}")) for side in ("low", "high"))
-    return {to: _in_range(one, to) for to, one in zip(low_and_high, outermost, strict=True)}
+    return {to: in_range_of(one, to) for to, one in zip(low_and_high, outermost, strict=True)}
 
 
-def _in_range(number: Num, to: NumVar) -> Num:
+def in_range_of(number: Num, to: NumVar) -> Num:
     """Return the number within the input's range: what is proved of a later machine is not known yet where an earlier one is proved."""
     return maximum(minimum(number, to.high), to.low)
 

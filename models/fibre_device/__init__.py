@@ -26,14 +26,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition
-from safeloc.language.expr import Expr, Var, as_num, before_step, ite
+from safeloc.language.expr import Expr, Var, as_num, before, ite
 from safeloc.language.machine import Machine
 from safeloc.language.units import COUNT, MM
 from safeloc.models import axle_counter, fibre, fibre_area, time_of_flight
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_head import DOWN, UP
 from safeloc.models.fibre import Fibre
-from safeloc.models.fibre_area import FibreArea, Machines, Sensors, outermost_before
+from safeloc.models.fibre_area import FibreArea, Machines, Sensors, in_range_of, outermost_before
 from safeloc.models.fibre_area.entry_world import SOUND
 from safeloc.models.fibre_device import reference as reference_model
 from safeloc.models.fibre_device.configuration import FibreDeviceConfig
@@ -150,7 +150,7 @@ def _recorded(reference: Reference, counters: tuple[AxleCounter, AxleCounter], a
     """Return the wires of the reference: what the counters tell, their places, and who was outermost before the step."""
     ends = area.area.own.low_end, area.area.own.high_end
     wires: dict[Var, Expr] = {
-        reference.own.true_axles: before_step(area.entry.own.true_axles),
+        reference.own.true_axles: in_range_of(before(area.entry.own.true_axles), reference.own.true_axles),
         **outermost_before(area.order, [one.outermost for one in reference.own.counted]),
     }
     for counter, to, end in zip(counters, reference.own.counted, ends, strict=True):
@@ -160,7 +160,7 @@ def _recorded(reference: Reference, counters: tuple[AxleCounter, AxleCounter], a
             to.sound: machine.flag("record_sound"),
             to.direction: machine.output("record_direction"),
             to.axles: machine.output("record_axles"),
-            to.end: before_step(end),
+            to.end: in_range_of(before(end), to.end),
             to.passed: counter.own.axles,
         }
         for pair, name, unit in ((to.length, "length", "um"), (to.run, "run", "um"), (to.speed, "speed", "mm_s")):
