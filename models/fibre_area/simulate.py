@@ -37,7 +37,7 @@ class Journey:
     record       cycle in which the train's record comes; None: never
     sender       who sends it: the axle counter, or the neighbouring area, which has it ready when the train comes in
     tested       cycle in which the host requests the emitter's pattern, which comes in the next one
-    referred     the counter gives both ends a reference as they pass; otherwise the position code has to give their places
+    referred     both ends get a reference in cycle `referred_in`; otherwise the position code has to give their places
     counted_every  cycles between two counts of the axles
     uncounted    (from, to) cycles in which the detector measures the train's length, but counts no axles
     split        cycle in which the last four axles are left behind and stand: the pattern goes on without them
@@ -62,6 +62,7 @@ class Journey:
     sender: Literal["AXLE_COUNTER", "NEIGHBOUR"] = "AXLE_COUNTER"
     tested: int = 0
     referred: bool = True
+    referred_in: int = 0
     counted_every: int = 3
     uncounted: tuple[int, int] | None = None
     split: int | None = None
@@ -131,7 +132,7 @@ def simulated_ends(config: FibreAreaConfig, journey: Journey, seed: int) -> tupl
     """Return the inputs of the fibre machines of both ends."""
     sections: list[Section] = line(config.fibre, spacing_mm=journey.spacing_mm)
     start = _start_mm(config, journey)
-    refers_in = len(sweep(config.axle_section))
+    refers_in = len(sweep(config.axle_section)) + journey.referred_in
     drive = Drive(
         _speeds(config, journey),
         referred=journey.referred,

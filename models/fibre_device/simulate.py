@@ -9,7 +9,7 @@ its ends and back. No record is written: the counters make it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
 
@@ -139,30 +139,23 @@ def _record(area: Mapping[str, Cell], name: str) -> Cell:
 
 # ------------------------------------------------------------------ recordings
 
-SERVICE = Journey(cycles=240, enters=_AFTER_THE_SWEEP, area_mm=_LONG_MM, tested=_AFTER_THE_SWEEP)
-_FROM_HIGH = Journey(
-    cycles=240,
-    enters=_AFTER_THE_SWEEP,
-    area_mm=_LONG_MM,
-    tested=_AFTER_THE_SWEEP,
-    from_high=True,
-    speeds_mm_s=((0, -40_000),),
-)
-_HANDED_OVER = Journey(
+_COMES_IN = Journey(
     cycles=110,
     enters=_AFTER_THE_SWEEP,
-    area_mm=_LONG_MM,
     tested=_AFTER_THE_SWEEP,
-    record=_AFTER_THE_SWEEP + 1,
-    sender="NEIGHBOUR",
+    area_mm=_LONG_MM,
+    referred_in=_AFTER_THE_SWEEP,
+    counted_every=1,
 )
-_SHORT = Journey(cycles=100, enters=_AFTER_THE_SWEEP, area_mm=_LONG_MM, tested=_AFTER_THE_SWEEP)
+SERVICE = replace(_COMES_IN, cycles=240)
+_FROM_HIGH = replace(SERVICE, from_high=True, speeds_mm_s=((0, -40_000),), referred_in=0)
+_HANDED_OVER = replace(_COMES_IN, record=_AFTER_THE_SWEEP + 1, sender="NEIGHBOUR")
 RUNS: Mapping[str, Stay] = {
     "service": Stay(SERVICE, Timed(untimed=(90, 91))),
     "from-high": Stay(_FROM_HIGH),
     "handed-over": Stay(_HANDED_OVER),
     "no-speed": Stay(
-        _SHORT, spoilt={"low": {_AFTER_THE_SWEEP + 4: {"axle_speed_low_mm_s": None}, 90: {"passage_over": True}}}
+        _COMES_IN, spoilt={"low": {_AFTER_THE_SWEEP + 4: {"axle_speed_low_mm_s": None}, 90: {"passage_over": True}}}
     ),
 }
 """The recordings that ship, by the end of their name: a train that comes in at the low end; one at the high end; one that is handed over before its record is

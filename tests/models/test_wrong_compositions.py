@@ -479,6 +479,42 @@ def _every_loss_contradicts(of: Wired) -> Wires:
     return {of.to("reflector.route_contradicted"): ~of.of("balise.valid")}
 
 
+# ------------------------------------------------------------------ an area with all its sensors
+
+
+def _heads_of_one_end(of: Wired) -> Wires:
+    """The section counts at the high end what the low head reports, the other way round."""
+    return {of.to("axle_section.axles_out_high"): of.right("axle_section.axles_in_low")}
+
+
+def _one_head_at_fault(of: Wired) -> Wires:
+    return {of.to("axle_section.head_fault"): of.right("entry.record_sound")}
+
+
+def _passes_one_way(of: Wired) -> Wires:
+    """Whatever passes the low head comes in."""
+    return {of.to("axle_section.true_axles_out_low"): _zero(of, "axle_section.true_axles_out_low")}
+
+
+def _counters_exchanged(of: Wired) -> Wires:
+    """The place of the counter at the other end."""
+    return {of.to("reference.high_end_mm"): of.right("reference.low_end_mm")}
+
+
+def _run_for_length(of: Wired) -> Wires:
+    """The run since the first axle as the length: a length beyond the train, which holds it too."""
+    run = of.right("reference.low_run_high_um")
+    return {of.to("reference.low_length_high_um"): run}
+
+
+def _rear_timed_for_front(of: Wired) -> Wires:
+    """The front's sections are compared with the place to which the rear's light runs."""
+    names = ("front.flight_position_mm", "front.flight_position_mm.present")
+    return {of.to(name): of.right(name.replace("front", "rear")) for name in names}
+
+
+_COUNTERS_RECORD = "the counter's record of the train is its reference"
+_THE_LOW_RECORD = "the record of the low end is no wider than the counter's"
 _ENDS = "a train is untrusted only for what is said of it"
 _LACKS = "a train is withheld only for what is missing"
 _ALL_OUT = "a train of which all axles went out has left"
@@ -561,6 +597,33 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     ),
     ("counted_entry", cut("verification_doubted.record_sound"), "an undisturbed record is handed over"),
     ("counted_entry", cut("verification_doubted.record_length_low_mm"), "the record is no wider than the counter's"),
+    ("fibre_device", _heads_of_one_end, "the section counts the axles of the counters' heads"),
+    ("fibre_device", cut("axle_section.axles_in_high"), "the section counts the axles of the counters' heads"),
+    ("fibre_device", _one_head_at_fault, "a head at fault or damped is one of the section"),
+    ("fibre_device", cut("axle_section.head_damped"), "a head at fault or damped is one of the section"),
+    ("fibre_device", _passes_one_way, "the axles that pass a head pass it for both"),
+    ("fibre_device", cut("reference.low_record_ready"), _COUNTERS_RECORD),
+    ("fibre_device", cut("reference.high_direction"), _COUNTERS_RECORD),
+    ("fibre_device", cut("reference.low_outermost"), _COUNTERS_RECORD),
+    ("fibre_device", cut("entry.reference_comes"), _COUNTERS_RECORD),
+    ("fibre_device", cut("entry.enters_low"), _COUNTERS_RECORD),
+    ("fibre_device", cut("reference.low_record_sound"), "a counter's record is sound without a flaw only"),
+    ("fibre_device", assumed("entry.record_sound"), "a counter's record is sound without a flaw only"),
+    ("fibre_device", cut("entry.record_axles"), "the axles that passed at the low end are compared"),
+    ("fibre_device", cut("reference.high_axles"), "the axles that passed at the high end are compared"),
+    ("fibre_device", cut("verification.record_length_low_mm"), _THE_LOW_RECORD),
+    ("fibre_device", _run_for_length, _THE_LOW_RECORD),
+    ("fibre_device", _counters_exchanged, "the place of who passed at the high end is compared"),
+    ("fibre_device", cut("reference.high_run_low_um"), "the place of who passed at the high end is compared"),
+    ("fibre_device", cut("verification.record_speed_high_mm_s"), "the speed of who passed at the low end is compared"),
+    ("fibre_device", cut("verification.record_age_cycles"), "the neighbour's record is read as it was sent"),
+    (
+        "fibre_device",
+        cut("front.flight_position_mm.present"),
+        "front: the sections are compared with the place of this cycle",
+    ),
+    ("fibre_device", _rear_timed_for_front, "front: the sections are compared with the place of this cycle"),
+    ("fibre_device", cut("rear_additional.margin_above_mm"), "rear: a place is compared exactly when it can be"),
     ("fibre_timed", cut("fibre.flight_position_mm.present"), "the sections are compared with the place of this cycle"),
     ("fibre_timed", cut("fibre.flight_position_mm"), "the sections are compared with the place of this cycle"),
     ("fibre_timed", cut("additional.margin_above_mm"), "a place is compared exactly when it can be"),

@@ -1,0 +1,188 @@
+"""The fibre device: what its sensors give is no input, a wrong counter or light is noticed, and the recordings say what they teach."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from safeloc.catalogue import load_target
+from safeloc.language.expr import TRUE
+from safeloc.language.interpret import run
+from safeloc.language.system import without_ghosts
+from safeloc.language.trace import Trace
+from safeloc.language.world import Law
+from safeloc.models.area.world import CLEAR_CLAUSE
+from safeloc.models.axle_counter import AxleCounterConfig
+from safeloc.models.fibre import FibreConfig
+from safeloc.models.fibre.variables import FLIGHT_DIFFERS
+from safeloc.models.fibre_area import FibreAreaConfig
+from safeloc.models.fibre_area.entry_world import EMPTY, EXACT, SOUND
+from safeloc.models.fibre_device import FibreDeviceConfig, compose_machines
+from safeloc.models.fibre_device import reference as reference_model
+from safeloc.models.fibre_device.reference import ONE_TRAIN
+from safeloc.models.fibre_device.simulate import CONFIG, RUNS, SERVICE, Stay, first_values, simulate_stay, write
+from safeloc.models.fibre_timed.additional import TRUE_PLACE
+from safeloc.models.fibre_timed.simulate import Timed
+from safeloc.models.verification import VerificationConfig
+from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE
+from safeloc.proof.provers.implication import Refuted
+from safeloc.proof.provers.replayed_evidence import admissible_run
+from safeloc.runtime.streams.steps import read_steps
+from tests.models.owed_contracts import contract
+from tests.shipped_recordings import shipped
+
+# ------------------------------------------------------------------ contracts
+
+
+def test_what_a_sensor_of_the_area_gives_is_no_input() -> None:
+    """Neither a record, nor an axle count, nor a place by time of flight; each law on them is owed."""
+    system = compose_machines().composition.system
+    left = {var.name for var in system.inputs}
+    wired = ("verification.record_", "entry.record_", "entry.reference_", "axle_section.axles_", "axle_section.head_")
+    assert not {name for name in left if name.startswith(wired) or "flight_position" in name}
+    assert {"counter_low.axle", "counter_high.head_fault", "reference.neighbour_sends", "rear_flight.delay_ps"} <= left
+    assert {
+        "front_additional": (TRUE_PLACE,), "rear_additional": (TRUE_PLACE,), "front": (ON_THE_LINE,), "rear": (ON_THE_LINE,),
+        "entry": (SOUND, EXACT, EMPTY), "area": (CLEAR_CLAUSE,),
+    } == {part.name: part.guaranteed for part in system.parts if part.guaranteed}  # fmt: skip
+
+
+def test_a_sound_reference_follows_from_the_counter_and_one_train_a_passage(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And from neither alone: without the counter's count, and with a passage of two trains, it may have too many axles."""
+    whole = compose_machines().composition
+    assert None is contract(whole, "entry")
+    for side in ("low", "high"):
+        assert isinstance(contract(whole, "entry", f"counter_{side}: the count is true"), Refuted)
+    laws = reference_model._laws
+    monkeypatch.setattr(
+        reference_model,
+        "_laws",
+        lambda own: {**laws(own), ONE_TRAIN: Law(TRUE, "Nothing.", source="[D]", owner="nobody")},
+    )
+    assert isinstance(contract(compose_machines().composition, "entry"), Refuted)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"counter": AxleCounterConfig(axles_a_cycle=40)}, r"area\.verification\.period_ms is 500, but counter\.period_ms is 100"),
+        ({"counter": CONFIG.counter.model_copy(update={"axles_a_cycle": 10})}, r"area\.axle_section\.axles_a_cycle is 40, but counter\.axles_a_cycle is 10"),
+        ({"area": FibreAreaConfig(fibre=FibreConfig(flight_threshold_mm=155_000))}, r"length_limit_mm 1500000 is below 1570650"),
+        ({"area": CONFIG.area.model_copy(update={"fibre": FibreConfig()})}, r"fibre\.flight_threshold_mm is 60000, but a true time"),
+        (
+            {"area": CONFIG.area.model_copy(update={"verification": VerificationConfig(length_limit_mm=1_600_000, position_limit_mm=100_000_000)})},
+            r"position_limit_mm 100000000 is below 103146301",
+        ),
+    ],
+)  # fmt: skip
+def test_configurations_that_cannot_work_are_refused(fields: dict[str, object], message: str) -> None:
+    """With the figure that is in the way."""
+    with pytest.raises(ValidationError, match=message):
+        FibreDeviceConfig(**fields)  # type: ignore[arg-type]
+
+
+# ------------------------------------------------------------------ recordings
+
+
+def _trace(stay: Stay) -> Trace:
+    system = load_target("fibre_device").system
+    steps = [
+        {name: cell for name, cell in step.items() if name != "truth_mm"}
+        for step in simulate_stay(CONFIG, stay, seed=1)
+    ]
+    return run(system, steps, first=first_values(CONFIG, stay.journey))
+
+
+@cache
+def _recorded(name: str) -> Trace:
+    return _trace(RUNS[name])
+
+
+def _cycles(trace: Trace, output: str, value: object) -> list[int]:
+    return [number for number, step in enumerate(trace.steps) if step.outputs[output] == value]
+
+
+def test_recordings_are_what_the_simulation_makes(tmp_path: Path) -> None:
+    """Name by name, and no other one ships."""
+    made = write(tmp_path)
+    assert {f"fibre_device-{name}" for name in RUNS} == {path.name.removesuffix(".jsonl.gz") for path in made}
+    for path in made:
+        ships = read_steps(shipped(path.name.removesuffix(".jsonl.gz")))
+        assert list(read_steps(path).steps) == list(ships.steps)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_recordings_obey_all_laws(name: str) -> None:
+    """Of every machine: counters, light, fibre, area."""
+    recording = read_steps(shipped(f"fibre_device-{name}"))
+    system = load_target("fibre_device").system
+    steps = [{key: cell for key, cell in step.items() if key != "truth_mm"} for step in recording.steps]
+    assert len(steps) == len(admissible_run(system, recording.first, steps).steps)
+
+
+@pytest.mark.parametrize(("name", "side"), [("service", "low"), ("from-high", "high")])
+def test_a_train_is_verified_by_the_record_of_its_counter(name: str, side: str) -> None:
+    """From the cycle of that record on, whichever way it came in; the one at the other end has none of it."""
+    trace = _recorded(name)
+    [record] = _cycles(trace, "reference.sender", 1)
+    told = trace.steps[record]
+    assert told.outputs[f"counter_{side}.record_sound"] and told.outputs["verification.trusted"]
+    assert 40 == told.outputs["reference.axles"]
+    assert min(_cycles(trace, "verification.trusted", True)) == record
+
+
+def test_a_train_that_is_handed_over_is_verified_before_its_record() -> None:
+    """By the neighbour's record, and then by the counter's."""
+    trace = _recorded("handed-over")
+    [handed_over], [record] = (_cycles(trace, "reference.sender", sender) for sender in (2, 1))
+    assert handed_over < record
+    assert trace.steps[record - 1].outputs["verification.trusted"]
+    assert trace.steps[record].outputs["verification.trusted"]
+
+
+def test_a_passage_with_a_flaw_verifies_nobody() -> None:
+    """Its reference is not sound, and tells nothing."""
+    trace = _recorded("no-speed")
+    [record] = _cycles(trace, "reference.sender", 1)
+    assert not trace.steps[record].outputs["reference.sound"]
+    assert not _cycles(trace, "verification.trusted", True)
+
+
+# ------------------------------------------------------------------ laws broken
+
+
+def test_light_that_becomes_slower_raises_f_and_withholds() -> None:
+    """The place by sections is contradicted: F in the cycle of a section's signal, and the train is trusted no more."""
+    trace = _without_ghosts(Stay(SERVICE, Timed(index_ppm=60)))
+    errors = [number for number, step in enumerate(trace) if FLIGHT_DIFFERS.value == step["front.why"]]
+    assert errors and any(step["verification.trusted"] for step in trace[: errors[0]])
+    assert not any(step["verification.trusted"] for step in trace[errors[0] :])
+
+
+def test_a_follower_within_the_headway_is_counted_with_the_train_and_not_verified() -> None:
+    """It breaks the law of one train a passage: the record has both trains' axles, and the fibre's count contradicts it."""
+    close = Stay(replace(SERVICE, unannounced=(20, 15_000)))
+    trace = _without_ghosts(close)
+    [record] = [step for step in trace if step["reference.sender"] == 1]
+    assert record["reference.sound"] and 60 == record["reference.axles"]
+    assert not any(step["verification.trusted"] for step in trace)
+
+
+def _without_ghosts(stay: Stay) -> list[Mapping[str, object]]:
+    """Outputs and state of each step, of the machines alone."""
+    system = without_ghosts(load_target("fibre_device").system)
+    inputs = {var.name for var in system.inputs}
+    steps = [
+        {name: cell for name, cell in step.items() if name in inputs} for step in simulate_stay(CONFIG, stay, seed=1)
+    ]
+    first = {
+        name: value
+        for name, value in first_values(CONFIG, stay.journey).items()
+        if name in {var.name for var in system.state}
+    }
+    return [{**step.state, **step.outputs} for step in run(system, steps, first=first).steps]
