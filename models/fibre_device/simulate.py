@@ -46,12 +46,12 @@ class Stay:
     """A journey, and what its sensors tell besides.
 
     told      of the time of flight
-    spoilt    end -> cycle of the journey -> cells of that counter's head that are others
+    spoilt    cycle of the journey -> inputs that are others in it; None: the input does not come
     """
 
     journey: Journey
     told: Timed = Timed()
-    spoilt: Mapping[str, Mapping[int, Mapping[str, Cell | None]]] = field(default_factory=dict)
+    spoilt: Mapping[int, Mapping[str, Cell | None]] = field(default_factory=dict)
 
 
 def simulate(config: FibreDeviceConfig, *, seed: int, journey: Journey | None = None) -> Steps:
@@ -83,7 +83,9 @@ class _Sensed:
         area = self._world.step(cycle, front, rear)
         counted = self._counted(cycle, before)
         reference = {f"reference.{name}": cell for name, cell in self._reference(area).items()}
-        return {**_named(area), **counted, **reference, **self._flights(cycle, front, rear)}
+        right = {**_named(area), **counted, **reference, **self._flights(cycle, front, rear)}
+        changed = {**right, **self._stay.spoilt.get(cycle, {})}
+        return {name: cell for name, cell in changed.items() if cell is not None}
 
     def _axles(self) -> list[int]:
         return [*self._world.axles_mm, *self._world.others_mm]
@@ -97,8 +99,7 @@ class _Sensed:
                 told["passage_over"] = cycle == -len(self._sweep)
             else:
                 told = head.cycle(before_mm, self._axles(), self._world.speed_mm_s(cycle))
-            changed = {**told, **self._stay.spoilt.get(side, {}).get(cycle, {})}
-            cells |= {f"counter_{side}.{name}": cell for name, cell in changed.items() if cell is not None}
+            cells |= {f"counter_{side}.{name}": cell for name, cell in told.items()}
         return cells
 
     def _reference(self, area: Mapping[str, Cell]) -> dict[str, Cell]:
@@ -149,17 +150,48 @@ _COMES_IN = Journey(
 )
 SERVICE = replace(_COMES_IN, cycles=240)
 _FROM_HIGH = replace(SERVICE, from_high=True, speeds_mm_s=((0, -40_000),), referred_in=0)
-_HANDED_OVER = replace(_COMES_IN, record=_AFTER_THE_SWEEP + 1, sender="NEIGHBOUR")
+_HANDED_OVER = replace(
+    _COMES_IN, cycles=152, record=_AFTER_THE_SWEEP + 1, sender="NEIGHBOUR", front_missed=(1,), rear_missed=(1,)
+)
+_NO_SPEED: Mapping[int, Mapping[str, Cell | None]] = {
+    _AFTER_THE_SWEEP + 4: {"counter_low.axle_speed_low_mm_s": None},
+    _AFTER_THE_SWEEP + 270: {"counter_low.passage_over": True},
+}
+_BY_CODE = replace(
+    _COMES_IN, cycles=450, speeds_mm_s=((0, 30_000),), referred=False, area_mm=(0, 8_000_000), cuts_mm=((5_500_000, 6_500_000),),
+    front_stuck=(100_000, 850_000), rear_stuck=(100_000, 850_000), counted_every=3,
+)  # fmt: skip
+_SPLIT = replace(SERVICE, cycles=260, cuts_mm=((700_000, 1_200_000),), split=_AFTER_THE_SWEEP + 60, counted_every=3)
+_TURNED_BACK = replace(
+    SERVICE, cycles=317, tested=_AFTER_THE_SWEEP - 3, speeds_mm_s=((0, 30_000), (_AFTER_THE_SWEEP + 83, -30_000)), cuts_mm=((1_300_000, 1_600_000),), counted_every=5,
+    emitter_dead=(_AFTER_THE_SWEEP + 210, 317),
+)  # fmt: skip
+_TROUBLED = replace(SERVICE, cycles=170, silent=(_AFTER_THE_SWEEP + 40, _AFTER_THE_SWEEP + 48))
+_TROUBLES: Mapping[int, Mapping[str, Cell | None]] = {
+    _AFTER_THE_SWEEP + 20: {f"{end}_flight.map_known": False for end in _ENDS},
+    _AFTER_THE_SWEEP + 80: {"counter_low.head_fault": True, "counter_high.head_fault": True},
+}
 RUNS: Mapping[str, Stay] = {
     "service": Stay(SERVICE, Timed(untimed=(90, 91))),
     "from-high": Stay(_FROM_HIGH),
     "handed-over": Stay(_HANDED_OVER),
-    "no-speed": Stay(
-        _COMES_IN, spoilt={"low": {_AFTER_THE_SWEEP + 4: {"axle_speed_low_mm_s": None}, 90: {"passage_over": True}}}
-    ),
+    "no-speed": Stay(replace(SERVICE, cycles=340, speeds_mm_s=((0, 20_000),)), spoilt=_NO_SPEED),
+    "code": Stay(_BY_CODE),
+    "split": Stay(_SPLIT),
+    "turned-back": Stay(_TURNED_BACK),
+    "troubled": Stay(_TROUBLED, spoilt=_TROUBLES),
 }
-"""The recordings that ship, by the end of their name: a train that comes in at the low end; one at the high end; one that is handed over before its record is
-there; one of which the head does not tell the speed of an axle."""
+"""The recordings that ship, by the end of their name.
+
+service      a train comes in at the low end, is verified by its record, and leaves at the high end
+from-high    the same from the high end
+handed-over  the neighbour hands the train over before its record is there; later a section of the fibre is missed
+no-speed     the head does not tell the speed of an axle: the record is overdue, has a flaw when it comes, and nobody is verified
+code         the ends get no reference; the fifth section of the position code locates them
+split        the last wagons come off, and stand
+turned-back  the train turns, and leaves where it came in; on the way back the emitter is silent
+troubled     a surveyed point is missing, and the pattern is lost; at last both heads are at fault
+"""
 
 
 def write(folder: Path, stays: Mapping[str, Stay] = RUNS) -> list[Path]:
