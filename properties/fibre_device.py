@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
-from safeloc.language.expr import Bool, Num, all_of, as_num, between, exact_to, ite, maximum
+from safeloc.language.expr import Bool, Num, all_of, between, exact_to, ite, maximum
 from safeloc.language.spec import Property, always, reachable
-from safeloc.language.units import COUNT, NM, NM_PER_MM, UM, UM_S
+from safeloc.language.units import NM, NM_PER_MM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_head import DOWN, UP
 from safeloc.models.fibre_device import FibreDevice
@@ -85,9 +85,10 @@ class _Side:
     @cached_property
     def comes_in(self) -> Bool:
         """A record comes of a passage into the area, or one with a flaw, and this train was the outermost at this end."""
-        outermost, enters = self._heard.was_outermost[self.number], self._heard.enters
+        outermost, enters = self._heard.was_outermost[self.number], self.whole.area.entry.own.enters
+        stays = all_of(self.whole.composition.of(self.whole.area.entry.machine).num(one).ne(1) for one in enters)
         inwards = self.record("direction").eq((UP, DOWN)[self.number])
-        return self.flag("record_ready") & outermost.eq(1) & ~enters & (inwards | ~self.flag("record_sound"))
+        return self.flag("record_ready") & outermost.eq(1) & stays & (inwards | ~self.flag("record_sound"))
 
     @cached_property
     def is_the_reference(self) -> Bool:
@@ -142,8 +143,8 @@ def _heads(whole: FibreDevice, sides: list[_Side]) -> Iterator[Property]:
     for side in sides:
         own, (inwards, outwards) = side.counter.own, ((UP, DOWN), (DOWN, UP))[side.number]
         for var, way in ((section.own.into, inwards), (section.own.out, outwards)):
-            counted = ite(side.ghost(own.axle).eq(way), side.ghost(own.axles_in_cycle), as_num(0, COUNT))
-            counts.append(of.num(var[side.number]).eq(counted))
+            heard, counted = side.ghost(own.axle).eq(way), of.num(var[side.number])
+            counts += [heard.implies(counted.eq(side.ghost(own.axles_in_cycle))), heard | counted.eq(0)]
         into, out = of.num(section.own.true_into[side.number]), of.num(section.own.true_out[side.number])
         passed, up = side.ghost(own.true_axles_in_cycle), side.ghost(own.axle_true_speed) > 0
         inward = up if side.number == 0 else ~up

@@ -281,6 +281,7 @@ NO_ROW_SETS_IT = {
     "models/reflector_anchor/wires.py": "wires",
     "models/reflector_device/anchored.py": "wires",
     "models/reflector_device/branches.py": "wires",
+    "models/fibre_device/__init__.py": "wires",
     "models/localizer_sections/__init__.py": "wires",
     "models/localizer_track/__init__.py": "wires",
 }

@@ -60,14 +60,14 @@ def machine(config: AxleCounterConfig | None = None) -> Machine:
     return build(parts(config or AxleCounterConfig())).machine
 
 
-def build(own: Parts, name: str = "axle_counter") -> AxleCounter:
+def build(own: Parts) -> AxleCounter:
     """Return the machine over the given variables."""
     table = modes("SPOILT", "IDLE", "PASSING", "DONE")
     current = current_mode(table)
     *_, done = table
     cycle = Cycle(own)
     made = own.declared.machine(
-        name=name,
+        name="axle_counter",
         modes=table,
         outputs=_outputs(own, current.eq(done)),
         transitions=list(_table(own, cycle, table)),

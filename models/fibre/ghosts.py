@@ -46,23 +46,17 @@ class Ghosts:
 
 
 def ghosts(
-    declared: Declared,
-    bands: tuple[Lit, ...],
-    places_mm: int,
-    farthest_mm: int,
-    sections: int,
-    tolerance_mm: int,
-    shared: str,
+    declared: Declared, bands: tuple[Lit, ...], places_mm: int, farthest_mm: int, sections: int, tolerance_mm: int
 ) -> Ghosts:
     """Return fresh variables for places up to `places_mm`, `sections` sections, and runs of a cycle up to `farthest_mm`.
 
-    The first one of `bands` is the band at the start: the normal amplitude. The names of place and run begin with `shared`.
+    The first one of `bands` is the band at the start: the normal amplitude.
     """
     line, step = 8 * places_mm * NM_PER_MM, 2 * farthest_mm * NM_PER_MM
     unheard, wrong = tolerance_mm * NM_PER_MM, 2 * (tolerance_mm + farthest_mm) * NM_PER_MM
     return Ghosts(
-        truth=declared.ghost(number(f"{shared}truth_nm", NM, -line, line), first=ANY),
-        true_run=declared.choice(number(f"{shared}true_run_nm", NM, -step, step)),
+        truth=declared.ghost(number("truth_nm", NM, -line, line), first=ANY),
+        true_run=declared.choice(number("true_run_nm", NM, -step, step)),
         edge=declared.ghost(number("true_edge_nm", NM, -line, line), first=ANY),
         next_true_edge=declared.choice(number("next_true_edge_nm", NM, -line, line)),
         count=declared.ghost(number("true_count", COUNT, -2 * sections, 2 * sections), first=ANY),

@@ -126,12 +126,12 @@ class Parts:
     ghosts           variables of the world
     """
 
-    def __init__(self, config: FibreConfig, shared: str) -> None:
+    def __init__(self, config: FibreConfig) -> None:
         self.declared = declared = Declared()
         limit, step = config.position_limit_mm, config.max_cycle_distance_mm
         far, drift = 2 * limit, 2 * (config.tolerance_mm + step) * NM_PER_MM
         self.config = config
-        self.amplitude = declared.sensor(optional(f"{shared}amplitude_cdb", CDB, -10_000, 10_000))
+        self.amplitude = declared.sensor(optional("amplitude_cdb", CDB, -10_000, 10_000))
         self.run = declared.sensor(optional("run_mm", MM, -step, step))
         self.flight_position = declared.sensor(optional("flight_position_mm", MM, -limit, limit))
         self.reflecting_point = declared.sensor(optional("reflecting_point_mm", MM, -limit, limit))
@@ -163,7 +163,7 @@ class Parts:
         self.band = declared.state(choice("band", enumeration(_BAND)), first=NORMAL)
         self.event = declared.state(choice("event", enumeration(SIGNAL)), first=NO_SIGNAL)
         self.why = declared.state(choice("why", enumeration(WHY)), first=NO_SIGNAL_YET)
-        self.ghosts = ghosts(declared, _BAND, limit, step, config.section_limit, config.tolerance_mm, shared)
+        self.ghosts = ghosts(declared, _BAND, limit, step, config.section_limit, config.tolerance_mm)
 
     def next_to(self, forwards: Bool) -> tuple[Bool, Num, Num, Bool, Bool]:
         """Return the map's section that the end meets in this direction: known, near and far edge, rises, long."""
@@ -174,9 +174,9 @@ class Parts:
         )  # fmt: skip
 
 
-def parts(config: FibreConfig, *, shared: str = "") -> Parts:
-    """Return fresh variables for one end of a train; the names of those that machines beside it share begin with `shared`."""
-    return Parts(config, shared)
+def parts(config: FibreConfig) -> Parts:
+    """Return fresh variables for one end of a train."""
+    return Parts(config)
 
 
 def _record(declared: Declared, name: str, limit: int) -> Record:

@@ -50,9 +50,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from pydantic import model_validator
-
-from safeloc.config import Config, quantity
 from safeloc.language.composition import Clause, Composition, compose
 from safeloc.language.expr import (
     Bool,
@@ -82,72 +79,51 @@ from safeloc.models import emitter as emitter_model
 from safeloc.models import fibre as fibre_model
 from safeloc.models import train_order as train_order_model
 from safeloc.models import verification as verification_model
-from safeloc.models.area import Area, AreaConfig, refuse_inner_detection
-from safeloc.models.area.separation import Following
+from safeloc.models.area import Area
 from safeloc.models.area.slot import ENTERS_HIGH, ENTERS_LOW
 from safeloc.models.area.world import CLEAR_CLAUSE
-from safeloc.models.axle_section import AxleSection, AxleSectionConfig
-from safeloc.models.emitter import Emitter, EmitterConfig
+from safeloc.models.axle_section import AxleSection
+from safeloc.models.emitter import Emitter
 from safeloc.models.fibre import Fibre, FibreConfig
 from safeloc.models.fibre_area import entry as entry_model
 from safeloc.models.fibre_area import report as report_model
+from safeloc.models.fibre_area.configuration import FibreAreaConfig
 from safeloc.models.fibre_area.entry import EMPTY, EXACT, THIS, Entry
-from safeloc.models.fibre_area.parting import PartingConfig, ReportedRun
+from safeloc.models.fibre_area.parting import ReportedRun
 from safeloc.models.fibre_area.report import Report
-from safeloc.models.sections import Section, SectionsConfig, section, section_wires
+from safeloc.models.sections import Section, section, section_wires
 from safeloc.models.train_order import TrainOrder, TrainOrderConfig
-from safeloc.models.verification import Verification, VerificationConfig
+from safeloc.models.verification import Verification
 from safeloc.models.vocabulary.absent import wired_interval
 
-
-class FibreAreaConfig(Config):
-    """Configurations of the machines in the step; all of them have one cycle."""
-
-    axle_section: AxleSectionConfig = AxleSectionConfig()
-    fibre: FibreConfig = FibreConfig()
-    emitter: EmitterConfig = EmitterConfig()
-    verification: VerificationConfig = VerificationConfig()
-    sections: SectionsConfig = SectionsConfig(
-        area=AreaConfig(trains=1, period_ms=500), following=Following(accuracy_mm=860_000)
-    )
-    parting: PartingConfig = PartingConfig()
-    record_wait_cycles: int = quantity(240, "cycles", 1, 100_000, "[D] 2 min: 740 m at 22 km/h past the counter")
-
-    @model_validator(mode="after")
-    def _axles_are_counted(self) -> FibreAreaConfig:
-        if self.sections.area.borders != "counted":
-            raise ValueError(
-                f'sections.area.borders is "{self.sections.area.borders}", but the train of fibre_area is counted in and out by '
-                'its axles; make it "counted", or use `sections` for an area whose borders report occupancy alone.'
-            )
-        refuse_inner_detection(self.sections.area)
-        return self
-
-    @model_validator(mode="after")
-    def _one_cycle(self) -> FibreAreaConfig:
-        periods = {
-            "fibre": self.fibre.period_ms,
-            "verification": self.verification.period_ms,
-            "sections.area": self.sections.area.period_ms,
-        }
-        if len(set(periods.values())) > 1:
-            raise ValueError(f"period_ms differs: {periods}; the machines act in one step, give all of them one cycle.")
-        return self
+__all__ = [
+    "FibreArea",
+    "FibreAreaConfig",
+    "Machines",
+    "Sensors",
+    "compose_machines",
+    "ends",
+    "entry_parts",
+    "in_range_of",
+    "joined",
+    "machines_of",
+    "outermost_before",
+    "reported_run",
+]
 
 
 @dataclass(frozen=True, eq=False)
 class Sensors:
-    """What a larger composition adds to the machines of an area: the machines before them, and their wires (models.fibre_device).
+    """Machines that a larger composition has before those of an area, and their wires (models.fibre_device).
 
     name       of the composition
     machines   before those of the area
-    wires, shared, discharge  as `compose` takes them, beside those of the area
+    wires, discharge  as `compose` takes them, beside those of the area
     """
 
     name: str = "fibre_area"
     machines: Sequence[Machine] = ()
     wires: Mapping[Var, Expr] = field(default_factory=dict)
-    shared: Sequence[Var] = ()
     discharge: Sequence[Clause] = ()
 
 
@@ -263,7 +239,6 @@ def joined(
         sensors.name,
         [*sensors.machines, *first, *then],
         wires,
-        shared=sensors.shared,
         discharge=[
             *sensors.discharge,
             Clause(entry.machine, EXACT),

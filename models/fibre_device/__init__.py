@@ -1,8 +1,9 @@
 """A train in a line area with all sensors of the area, as one device (FWG-1 to FVA-18).
 
     counter_low, counter_high     entry records, from the axles that the counting heads at both ends report    models.axle_counter
+    counted_axles                 the axles of a cycle, as the section between the counters hears them          fibre_device.counted_axles
     reference                     which record, or whose hand-over, is the train's reference in this cycle      fibre_device.reference
-    front_course, rear_course     no machine on board: the true course of each end of the train                 fibre_timed.course
+    front_course, rear_course     no machine on board: the true course of each end of the train                 fibre_device.course
     front_flight, rear_flight     time T and distance Ls along the fibre, and the place of that end             models.time_of_flight
     front_additional, rear_...    which place by time of flight is compared with the one by sections            fibre_timed.additional
     axle_section ... section_n    the machines of an area, behind these sensors                                 models.fibre_area
@@ -18,42 +19,45 @@ Inputs of a cycle, by name, in place of those of `fibre_area` that are wired her
     reference.enters_low, enters_high  number of the train that comes in there, in the cycle of its first axle; 0: none
     reference.neighbour_sends, neighbour_*  the neighbouring area hands the train over, with this record
     front_flight.*, rear_flight.*  as models.time_of_flight: delay_ps, map_known, map_distance_mm, map_position_mm, map_upwards
-    front_amplitude_cdb, rear_amplitude_cdb  amplitude of the pattern at that end
+    front_additional.amplitude_cdb, rear_additional.amplitude_cdb  amplitude of the pattern at that end
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 from safeloc.language.composition import Clause, Composition
 from safeloc.language.expr import Expr, Var, as_num, before, ite
-from safeloc.language.machine import Machine
+from safeloc.language.machine import Machine, Model
 from safeloc.language.units import COUNT, MM
 from safeloc.models import axle_counter, fibre, fibre_area, time_of_flight
 from safeloc.models.axle_counter import AxleCounter
-from safeloc.models.axle_head import DOWN, UP
 from safeloc.models.fibre import Fibre
 from safeloc.models.fibre_area import FibreArea, Machines, Sensors, in_range_of, outermost_before
 from safeloc.models.fibre_area.entry_world import SOUND
+from safeloc.models.fibre_device import counted_axles as counted_axles_model
 from safeloc.models.fibre_device import reference as reference_model
 from safeloc.models.fibre_device.configuration import FibreDeviceConfig
+from safeloc.models.fibre_device.counted_axles import CountedAxles
+from safeloc.models.fibre_device.course import Course, course
 from safeloc.models.fibre_device.reference import SIDES, Reference
 from safeloc.models.fibre_timed.additional import TRUE_PLACE, Additional, additional
 from safeloc.models.fibre_timed.additional import Parts as AdditionalParts
-from safeloc.models.fibre_timed.course import course
 from safeloc.models.time_of_flight import TimeOfFlight
 from safeloc.models.vocabulary.absent import wired_interval
 from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE
 
 __all__ = ["FibreDevice", "FibreDeviceConfig", "compose_machines"]
 NAME = "fibre_device"
+_Model = TypeVar("_Model", bound=Model[Any])
 
 
 @dataclass(frozen=True, eq=False)
 class TimedEnd:
     """One end of the train: its course, the time of flight to it, the place that is compared, and its machine of sections."""
 
-    course: Machine
+    course: Course
     flight: TimeOfFlight
     additional: Additional
     sections: Fibre
@@ -61,13 +65,7 @@ class TimedEnd:
     @property
     def machines(self) -> tuple[Machine, ...]:
         """The machines before that of the sections, in the order of the step."""
-        return self.course, self.flight.machine, self.additional.machine
-
-    @property
-    def shared(self) -> tuple[Var, ...]:
-        """Variables of the machine of sections that those before it share: the end's place and run, and its amplitude."""
-        own = self.sections.own
-        return own.ghosts.truth, own.ghosts.true_run, own.amplitude.value, own.amplitude.present
+        return self.course.machine, self.flight.machine, self.additional.machine
 
     @property
     def discharged(self) -> tuple[Clause, Clause]:
@@ -94,55 +92,71 @@ class FibreDevice:
 def compose_machines(config: FibreDeviceConfig | None = None) -> FibreDevice:
     """Compose the device of one train and its area."""
     config = config or FibreDeviceConfig()
-    low, high = (axle_counter.build(axle_counter.parts(config.counter), f"counter_{side}") for side in SIDES)
+    low, high = (_counter(config, side) for side in SIDES)
+    counted = counted_axles_model.build(counted_axles_model.Parts(config))
     reference = reference_model.build(reference_model.Parts(config))
     front, rear = _end(config, "front"), _end(config, "rear")
     area = fibre_area.machines_of(config.area, front.sections, rear.sections)
     sensors = Sensors(
         NAME,
-        [low.machine, high.machine, reference.machine, *front.machines, *rear.machines],
+        [low.machine, high.machine, counted.machine, reference.machine, *front.machines, *rear.machines],
         {
-            **_heads(low, high, area),
+            **_heads(counted, (low, high), area),
             **_recorded(reference, (low, high), area),
             **_told(reference, area),
             **_timed(front),
             **_timed(rear),
         },
-        [*front.shared, *rear.shared],
         [Clause(area.entry.machine, SOUND), *front.discharged, *rear.discharged],
     )
     return FibreDevice(config, (low, high), reference, (front, rear), fibre_area.joined(config.area, *area, sensors))
 
 
+def _counter(config: FibreDeviceConfig, side: str) -> AxleCounter:
+    return _named(axle_counter.build(axle_counter.parts(config.counter)), f"counter_{side}")
+
+
 def _end(config: FibreDeviceConfig, name: str) -> TimedEnd:
     """Return the machines of one end of the train."""
-    located = fibre.parts(config.area.fibre, shared=f"{name}_")
-    timed = time_of_flight.parts(config.time_of_flight)
+    located, timed = fibre.parts(config.area.fibre), time_of_flight.parts(config.time_of_flight)
+    hears_the_amplitude = AdditionalParts(config.timed, fibre.parts(config.area.fibre), timed)
     return TimedEnd(
         course(located, f"{name}_course"),
         time_of_flight.build(timed, f"{name}_flight"),
-        additional(AdditionalParts(config.timed, located, timed), f"{name}_additional"),
+        _named(additional(hears_the_amplitude), f"{name}_additional"),
         fibre.build(located, name),
     )
+
+
+def _named(model: _Model, name: str) -> _Model:
+    """Return a machine under a name of its own: there are two of it."""
+    return replace(model, machine=replace(model.machine, name=name))
 
 
 # ------------------------------------------------------------------ the counters
 
 
-def _heads(low: AxleCounter, high: AxleCounter, area: Machines) -> dict[Var, Expr]:
-    """Return the wires of the heads: the axle section counts the same axles, and those that really pass are the same."""
-    heads, none = area.axle_section.own, as_num(0, COUNT)
+def _heads(counted: CountedAxles, counters: tuple[AxleCounter, AxleCounter], area: Machines) -> dict[Var, Expr]:
+    """Return the wires of the heads: the section counts the axles of the counters' heads, and those that really pass are the same."""
+    heads, own, none = area.axle_section.own, counted.own, as_num(0, COUNT)
     wires: dict[Var, Expr] = {
-        heads.fault: low.own.fault | high.own.fault,
-        heads.damped: low.own.damped | high.own.damped,
+        heads.fault: own.at_fault,
+        heads.damped: own.is_damped,
+        **dict(zip(heads.into, own.into, strict=True)),
+        **dict(zip(heads.out, own.out, strict=True)),
     }
-    for side, (counter, inwards, outwards) in enumerate(((low.own, UP, DOWN), (high.own, DOWN, UP))):
-        for to, way in ((heads.into, inwards), (heads.out, outwards)):
-            wires[to[side]] = ite(counter.axle.eq(way), counter.axles_in_cycle, none)
-        passed, up = counter.true_axles_in_cycle, counter.axle_true_speed > 0
+    for side, counter in enumerate(counters):
+        heard, passed = counter.own, counter.own.true_axles_in_cycle
+        up = heard.axle_true_speed > 0
         upwards, downwards = ite(up, passed, none), ite(up, none, passed)
-        into, out = (upwards, downwards) if inwards is UP else (downwards, upwards)
-        wires |= {heads.true_into[side]: into, heads.true_out[side]: out}
+        wires |= {
+            own.axle[side]: heard.axle,
+            own.axles[side]: heard.axles_in_cycle,
+            own.fault[side]: heard.fault,
+            own.damped[side]: heard.damped,
+            heads.true_into[side]: (upwards, downwards)[side],
+            heads.true_out[side]: (downwards, upwards)[side],
+        }
     return wires
 
 
@@ -192,18 +206,21 @@ def _told(reference: Reference, area: Machines) -> dict[Var, Expr]:
 
 
 def _timed(end: TimedEnd) -> dict[Var, Expr]:
-    """Return the wires of one end: the place by time of flight, the one that is compared, and the truth of its course."""
-    truth, flight, compared = end.sections.own.ghosts.truth, end.flight, end.additional
+    """Return the wires of one end: its course, the place by time of flight, the one that is compared, and the amplitude."""
+    flight, compared, sections = end.flight, end.additional, end.sections.own
     position, below, above = wired_interval(flight.machine)
-    own, to = compared.own, end.sections.own.flight_position
-    handed = compared.machine.flag("compared")
+    own, to, handed = compared.own, sections.flight_position, compared.machine.flag("compared")
     return {
-        flight.own.next_truth: truth,
-        own.next_truth: truth,
+        end.course.own.place: before(sections.ghosts.truth),
+        sections.ghosts.true_run: end.course.own.run,
+        flight.own.next_truth: end.course.own.place_after,
+        own.next_truth: end.course.own.place_after,
         own.position.present: flight.machine.flag("valid"),
         own.position.value: position,
         own.below: below,
         own.above: above,
         to.present: handed,
         to.value: ite(handed, own.place, as_num(0, MM)),
+        sections.amplitude.present: own.amplitude.present,
+        sections.amplitude.value: own.amplitude.value,
     }

@@ -56,7 +56,7 @@ REQUIREMENTS = ("FVA-3", "FVA-12", "FVA-D1")
 
 @dataclass(frozen=True, eq=False)
 class Counted:
-    """What the counter at one end tells in this cycle, where it is, and who was the outermost train there before the cycle.
+    """The message of the counter at one end in this cycle, its place, and who was the outermost train there before the cycle.
 
     passed  choice, wired to the counter's world: axles that passed in the passage that is recorded
     """
@@ -96,7 +96,7 @@ class Record(Generic[_Flag, _Number]):
 
     @property
     def figures(self) -> list[_Number]:
-        """What a record with a flaw does not tell."""
+        """All that a record with a flaw does not tell."""
         return [self.axles, *self.length, *self.speed, *self.place]
 
     @property
@@ -255,10 +255,14 @@ def _nothing(own: Parts) -> Updates:
 
 
 def _laws(own: Parts) -> dict[str, Law]:
-    comes_now = ite(own.comes_in, own.axles_of_one_that_enters, own.true_axles)
+    stays = all_of(came.ne(THIS) for came in own.enters)
     recorded = [
-        (one.is_this_trains & one.sound & ~own.comes_in).implies(one.passed <= own.true_axles) for one in own.counted
+        all_of([stays, one.sound, one.direction.eq(one.into_area), one.outermost.eq(THIS)]).implies(
+            one.passed <= own.true_axles
+        )
+        for one in own.counted
     ]
+    axles = ite(stays, own.true_axles, own.axles_of_one_that_enters)
     return {
         ONE_TRAIN: Law(
             all_of(recorded),
@@ -268,7 +272,7 @@ def _laws(own: Parts) -> dict[str, Law]:
             check="no switch at a counter; headway of trains; axles counted in while no train is announced",
         ),
         "a neighbour hands over no more axles than the train has": Law(
-            (own.comes & own.neighbours.sound).implies(own.neighbours.axles <= comes_now),
+            (own.comes & own.neighbours.sound).implies(own.neighbours.axles <= axles),
             "A sound record of the neighbouring area has no more axles than the train.",
             source="[S] FVA-D1: the neighbour hands over what it verified",
             owner="supplier",

@@ -28,7 +28,8 @@ _AFTER_THE_SWEEP = 62
 "A train comes in this many cycles after the counters are clear: at the headway after the trolley."
 _LONG_MM = (0, 3_000_000)
 _ENDS = ("front", "rear")
-_OF_THE_END = ("amplitude_cdb", "true_run_nm")
+_OF_THE_END = {"amplitude_cdb": "additional", "true_run_nm": "course"}
+"""Inputs of the machine of an end that come from the machine before it."""
 _WIRED = (
     "axle_section.axles_", "axle_section.true_axles_", "axle_section.head_", "entry.enters_", "entry.reference_", "entry.record_",
     "entry.axles_of_one", "verification.record_",
@@ -124,10 +125,10 @@ class _Sensed:
 
 def _named(area: Mapping[str, Cell]) -> dict[str, Cell]:
     """Return the inputs of the area that are inputs of the whole, by their names there."""
-    shared = {f"{end}.{name}": f"{end}_{name}" for end in _ENDS for name in _OF_THE_END}
+    earlier = {f"{end}.{name}": f"{end}_{machine}.{name}" for end in _ENDS for name, machine in _OF_THE_END.items()}
     left_out = {f"{end}.flight_position_mm" for end in _ENDS}
     return {
-        shared.get(name, name): cell
+        earlier.get(name, name): cell
         for name, cell in area.items()
         if name not in left_out and not name.startswith(_WIRED)
     }
@@ -206,9 +207,7 @@ def write(folder: Path, stays: Mapping[str, Stay] = RUNS) -> list[Path]:
 
 def first_values(config: FibreDeviceConfig, journey: Journey) -> dict[str, Value]:
     """Return the open values at the start: those of the area, and of the counters' worlds."""
-    first = first_state(config.area, journey)
-    shared = {f"{end}.truth_nm": f"{end}_truth_nm" for end in _ENDS}
-    values = {shared.get(name, name): value for name, value in first.items()}
+    values = first_state(config.area, journey)
     for side in ("low", "high"):
         pause = config.counter.headway_ms // config.counter.period_ms + 1
         values |= {

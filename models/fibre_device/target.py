@@ -7,6 +7,7 @@ from functools import partial
 
 from safeloc.models import fibre_device
 from safeloc.models.fibre_device import NAME, FibreDeviceConfig
+from safeloc.models.fibre_device.configurations import CONFIGURATIONS
 from safeloc.properties import fibre_device as claims
 from safeloc.reported import Reported
 from safeloc.runtime.streams.steps import Cell
@@ -21,7 +22,7 @@ REPORTED = Reported(
     below="verification.margin_below_mm",
     above="verification.margin_above_mm",
     valid="verification.trusted",
-    truth="front_truth_nm",
+    truth="front.truth_nm",
 )
 _SECTIONS = {
     "counter_low": "counter", "counter_high": "counter", "front_course": "area.fibre", "rear_course": "area.fibre",
@@ -58,6 +59,7 @@ ENTRIES = (
         members=(
             "counter_low",
             "counter_high",
+            "counted_axles",
             "reference",
             "front_course",
             "front_flight",
@@ -86,6 +88,7 @@ ENTRIES = (
             "emitter",
             "sections",
         ),
+        configurations=CONFIGURATIONS,
         hazard=Hazard(
             "a section is reported clear with a vehicle in it",
             (

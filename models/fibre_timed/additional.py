@@ -77,13 +77,13 @@ class Additional(Model[Parts]):
     """The machine and its variables."""
 
 
-def additional(own: Parts, name: str = NAME) -> Additional:
+def additional(own: Parts) -> Additional:
     """Return the machine over the given variables."""
     table = modes("NOT_COMPARED", "COMPARED")
     current = current_mode(table)
     compared = current.eq(table[1])
     made = own.declared.machine(
-        name=name,
+        name=NAME,
         modes=table,
         outputs={"compared": compared, "compared_mm": position_if(compared, own.place), "reason": own.why},
         transitions=list(_table(own, table)),

@@ -17,13 +17,13 @@ from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE
 NAME = "course"
 
 
-def course(fibre: Parts, name: str = NAME) -> Machine:
+def course(fibre: Parts) -> Machine:
     """Return the machine; it shares the ghosts of place and run with the fibre machine of these variables."""
     declared, table, seen = Declared(), modes("RUNNING"), fibre.ghosts
     truth, run = declared.ghost(seen.truth, first=ANY), declared.choice(seen.true_run)
     farthest = 2 * fibre.config.position_limit_mm * NM_PER_MM
     return declared.machine(
-        name=name,
+        name=NAME,
         modes=table,
         outputs={},
         transitions=[Transition("runs", table[0], table[0], TRUE, {}, ("FWG-11",), 0)],

@@ -137,7 +137,7 @@ def test_a_train_is_verified_by_the_record_of_its_counter(name: str, side: str) 
 
 
 def test_a_train_that_is_handed_over_is_verified_before_its_record() -> None:
-    """By the neighbour's record, and then by the counter's."""
+    """By the neighbour's record, and then by the counter's; a section that is missed later ends that."""
     trace = _recorded("handed-over")
     [handed_over], [record] = (_cycles(trace, "reference.sender", sender) for sender in (2, 1))
     assert handed_over < record
@@ -146,9 +146,10 @@ def test_a_train_that_is_handed_over_is_verified_before_its_record() -> None:
 
 
 def test_a_passage_with_a_flaw_verifies_nobody() -> None:
-    """Its reference is not sound, and tells nothing."""
+    """Its record is overdue, and is not sound when the counter reports that the passage is over."""
     trace = _recorded("no-speed")
     [record] = _cycles(trace, "reference.sender", 1)
+    assert trace.steps[record - 1].outputs["entry.reference_missing"]
     assert not trace.steps[record].outputs["reference.sound"]
     assert not _cycles(trace, "verification.trusted", True)
 

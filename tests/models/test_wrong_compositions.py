@@ -483,7 +483,7 @@ def _every_loss_contradicts(of: Wired) -> Wires:
 
 
 def _heads_of_one_end(of: Wired) -> Wires:
-    """The section counts at the high end what the low head reports, the other way round."""
+    """The section counts out at the high end what the low head counts in."""
     return {of.to("axle_section.axles_out_high"): of.right("axle_section.axles_in_low")}
 
 
