@@ -128,7 +128,7 @@ def _sound(whole: FibreDevice) -> Bool:
 
 
 def _sender(whole: FibreDevice) -> Num:
-    """Who sends the reference that the entry hears in this cycle."""
+    """Return the sender of the reference that the entry hears in this cycle."""
     return whole.composition.of(whole.area.entry.machine).num(whole.area.entry.own.comes)
 
 
@@ -199,7 +199,7 @@ def _handed_over(whole: FibreDevice, sides: list[_Side]) -> Iterator[Property]:
     """Claim what is heard of the neighbour."""
     reference, verified = whole.reference, whole.area.verification.own
     of, given = whole.composition.of(reference.machine), reference.own.neighbours
-    sends = of.bool(reference.own.comes) & ~(sides[0].is_the_reference | sides[1].is_the_reference)
+    sends = of.bool(reference.own.neighbour_sends) & ~(sides[0].is_the_reference | sides[1].is_the_reference)
     yield for_all_inputs(
         "the neighbour's record is the reference where no counter has one",
         _sender(whole).eq(NEIGHBOUR).iff(sends)

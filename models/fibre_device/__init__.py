@@ -140,8 +140,8 @@ def _heads(counted: CountedAxles, counters: tuple[AxleCounter, AxleCounter], are
     """Return the wires of the heads: the section counts the axles of the counters' heads, and those that really pass are the same."""
     heads, own, none = area.axle_section.own, counted.own, as_num(0, COUNT)
     wires: dict[Var, Expr] = {
-        heads.fault: own.at_fault,
-        heads.damped: own.is_damped,
+        heads.fault: own.head_fault,
+        heads.damped: own.head_damped,
         **dict(zip(heads.into, own.into, strict=True)),
         **dict(zip(heads.out, own.out, strict=True)),
     }
@@ -194,7 +194,7 @@ def _told(reference: Reference, area: Machines) -> dict[Var, Expr]:
     return {
         **dict(zip(entry.enters, own.enters, strict=True)),
         entry.axles_of_one_that_enters: own.axles_of_one_that_enters,
-        entry.comes: own.source,
+        entry.comes: own.sender,
         entry.record_sound: told.sound,
         entry.record_axles: told.axles,
         verified.record_age: told.age,

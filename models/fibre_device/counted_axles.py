@@ -23,7 +23,7 @@ class Parts:
     axle, axles    direction of the axles of this cycle, and their number
     fault, damped  the head is at fault; a wheel is on it
     into, out      state: axles that came into the area, and went out of it, in this cycle
-    at_fault, is_damped  state: of either head
+    head_fault, head_damped  state: of either head
     """
 
     def __init__(self, config: FibreDeviceConfig) -> None:
@@ -35,8 +35,8 @@ class Parts:
         self.damped = tuple(declared.sensor(boolean(f"head_damped_{side}")) for side in SIDES)
         self.into = tuple(declared.state(number(f"axles_in_{side}", COUNT, 0, most), first=0) for side in SIDES)
         self.out = tuple(declared.state(number(f"axles_out_{side}", COUNT, 0, most), first=0) for side in SIDES)
-        self.at_fault = declared.state(boolean("head_fault"), first=False)
-        self.is_damped = declared.state(boolean("head_damped"), first=False)
+        self.head_fault = declared.state(boolean("head_fault"), first=False)
+        self.head_damped = declared.state(boolean("head_damped"), first=False)
 
 
 CountedAxles = Model[Parts]
@@ -46,7 +46,7 @@ def build(own: Parts) -> CountedAxles:
     """Return the machine over the given variables."""
     table = modes("COUNTING")
     outputs: dict[str, Expr] = {one.name: one for one in (*own.into, *own.out)}
-    outputs |= {one.name: one for one in (own.at_fault, own.is_damped)}
+    outputs |= {one.name: one for one in (own.head_fault, own.head_damped)}
     machine = own.declared.machine(
         name=NAME,
         modes=table,
@@ -64,8 +64,8 @@ def _counts(own: Parts) -> Updates:
         own.out[0]: _if(low, DOWN, at_low),
         own.into[1]: _if(high, DOWN, at_high),
         own.out[1]: _if(high, UP, at_high),
-        own.at_fault: own.fault[0] | own.fault[1],
-        own.is_damped: own.damped[0] | own.damped[1],
+        own.head_fault: own.fault[0] | own.fault[1],
+        own.head_damped: own.damped[0] | own.damped[1],
     }
 
 

@@ -110,8 +110,8 @@ class Parts:
 
     counted    what each counter tells, at the low and at the high end
     enters     number of the train that comes in at this end, by train control; 0: none
-    comes      the neighbour's record comes; neighbours: that record
-    source, told   state: sender of the reference of this cycle, and the reference
+    neighbour_sends  the neighbour's record comes; neighbours: that record
+    sender, told   state: sender of the reference of this cycle, and the reference
     axles_of_one_that_enters, true_axles  choices: axles of this train, if it comes in, and as it was before the cycle
     """
 
@@ -122,9 +122,9 @@ class Parts:
         low, high = (self._read(declared, side, config) for side in SIDES)
         self.counted = (low, high)
         self.enters = tuple(declared.sensor(number(f"enters_{side}", COUNT, 0, trains)) for side in SIDES)
-        self.comes = declared.sensor(boolean("neighbour_sends"))
+        self.neighbour_sends = declared.sensor(boolean("neighbour_sends"))
         self.neighbours = _record_variables("neighbour_", config)
-        self.source = declared.state(choice("from", enumeration(FROM)), first=NOBODY)
+        self.sender = declared.state(choice("sender", enumeration(FROM)), first=NOBODY)
         self.told = _record_variables("", config)
         declared.sensor(self.neighbours.sound)
         declared.state(self.told.sound, first=False)
@@ -201,11 +201,11 @@ def build(own: Parts) -> Reference:
             for priority, (side, one) in enumerate(zip(SIDES, own.counted, strict=True))
         ),
         Transition(
-            "record of the neighbour", table, handed_over, own.comes, _set(own, NEIGHBOUR, own.neighbours), REQUIREMENTS, 2
+            "record of the neighbour", table, handed_over, own.neighbour_sends, _set(own, NEIGHBOUR, own.neighbours), REQUIREMENTS, 2
         ),
-        Transition("no record", table, none, TRUE, {own.source: NOBODY, **_nothing(own)}, REQUIREMENTS, 3),
+        Transition("no record", table, none, TRUE, {own.sender: NOBODY, **_nothing(own)}, REQUIREMENTS, 3),
     ]  # fmt: skip
-    outputs: dict[str, Expr] = {"sender": own.source}
+    outputs: dict[str, Expr] = {"sender": own.sender}
     outputs |= {"sound": own.told.sound, **{one.name: one for one in own.told.numbers}}
     machine = own.declared.machine(
         name=NAME,
@@ -241,7 +241,7 @@ def _record(own: Parts, one: Counted) -> Record[Bool, Num]:
 
 def _set(own: Parts, sender: Expr, record: Record[Bool, Num]) -> Updates:
     """Tell the record; of one with a flaw nothing but that it came."""
-    told: dict[Var, Expr] = {own.source: sender, own.told.sound: record.sound, own.told.age: record.age}
+    told: dict[Var, Expr] = {own.sender: sender, own.told.sound: record.sound, own.told.age: record.age}
     figures = zip(own.told.figures, record.figures, strict=True)
     return {**told, **{var: ite(record.sound, term, 0) for var, term in figures}}
 
@@ -272,7 +272,7 @@ def _laws(own: Parts) -> dict[str, Law]:
             check="no switch at a counter; headway of trains; axles counted in while no train is announced",
         ),
         "a neighbour hands over no more axles than the train has": Law(
-            (own.comes & own.neighbours.sound).implies(own.neighbours.axles <= axles),
+            (own.neighbour_sends & own.neighbours.sound).implies(own.neighbours.axles <= axles),
             "A sound record of the neighbouring area has no more axles than the train.",
             source="[S] FVA-D1: the neighbour hands over what it verified",
             owner="supplier",
