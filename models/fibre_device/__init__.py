@@ -28,9 +28,9 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from safeloc.language.composition import Clause, Composition
-from safeloc.language.expr import Expr, Var, as_num, before, ite
+from safeloc.language.expr import Expr, Lit, Var, as_num, before, between, ite
 from safeloc.language.machine import Machine, Model
-from safeloc.language.units import COUNT, MM
+from safeloc.language.units import COUNT, MM, MS, MS_PER_S
 from safeloc.models import axle_counter, fibre, fibre_area, time_of_flight
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.fibre import Fibre
@@ -46,7 +46,6 @@ from safeloc.models.fibre_timed.additional import TRUE_PLACE, Additional, additi
 from safeloc.models.fibre_timed.additional import Parts as AdditionalParts
 from safeloc.models.time_of_flight import TimeOfFlight
 from safeloc.models.vocabulary.absent import wired_interval
-from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE
 
 __all__ = ["FibreDevice", "FibreDeviceConfig", "compose_machines"]
 NAME = "fibre_device"
@@ -68,9 +67,9 @@ class TimedEnd:
         return self.course.machine, self.flight.machine, self.additional.machine
 
     @property
-    def discharged(self) -> tuple[Clause, Clause]:
-        """Laws that the machines before guarantee."""
-        return Clause(self.additional.machine, TRUE_PLACE), Clause(self.sections.machine, ON_THE_LINE)
+    def discharged(self) -> Clause:
+        """The law that the time of flight guarantees."""
+        return Clause(self.additional.machine, TRUE_PLACE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,13 +106,19 @@ def compose_machines(config: FibreDeviceConfig | None = None) -> FibreDevice:
             **_timed(front),
             **_timed(rear),
         },
-        [Clause(area.entry.machine, SOUND), *front.discharged, *rear.discharged],
+        [Clause(area.entry.machine, SOUND), front.discharged, rear.discharged],
     )
     return FibreDevice(config, (low, high), reference, (front, rear), fibre_area.joined(config.area, *area, sensors))
 
 
 def _counter(config: FibreDeviceConfig, side: str) -> AxleCounter:
-    return _named(axle_counter.build(axle_counter.parts(config.counter)), f"counter_{side}")
+    """Return the counter at one end, with one more lemma: a train over it can always stop in its coordinates, so that there is a next step."""
+    own, figures = axle_counter.parts(config.counter), config.counter
+    cycles = figures.max_speed_mm_s * MS_PER_S // (figures.change_mm_s2 * figures.period_ms) + 2
+    stopped = own.run + own.speed * Lit(cycles * figures.period_ms, MS)
+    counter = axle_counter.build(own)
+    lemmas = {**counter.machine.lemmas, "a train can stop": between(own.run.low, stopped, own.run.high)}
+    return replace(counter, machine=replace(counter.machine, name=f"counter_{side}", lemmas=lemmas))
 
 
 def _end(config: FibreDeviceConfig, name: str) -> TimedEnd:

@@ -29,7 +29,6 @@ from safeloc.models.fibre_device.simulate import CONFIG, RUNS, SERVICE, Stay, fi
 from safeloc.models.fibre_timed.additional import TRUE_PLACE
 from safeloc.models.fibre_timed.simulate import Timed
 from safeloc.models.verification import VerificationConfig
-from safeloc.models.vocabulary.vehicle_world import ON_THE_LINE
 from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.replayed_evidence import admissible_run
 from safeloc.runtime.streams.steps import read_steps
@@ -47,7 +46,7 @@ def test_what_a_sensor_of_the_area_gives_is_no_input() -> None:
     assert not {name for name in left if name.startswith(wired) or "flight_position" in name}
     assert {"counter_low.axle", "counter_high.head_fault", "reference.neighbour_sends", "rear_flight.delay_ps"} <= left
     assert {
-        "front_additional": (TRUE_PLACE,), "rear_additional": (TRUE_PLACE,), "front": (ON_THE_LINE,), "rear": (ON_THE_LINE,),
+        "front_additional": (TRUE_PLACE,), "rear_additional": (TRUE_PLACE,),
         "entry": (SOUND, EXACT, EMPTY), "area": (CLEAR_CLAUSE,),
     } == {part.name: part.guaranteed for part in system.parts if part.guaranteed}  # fmt: skip
 
