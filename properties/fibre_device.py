@@ -34,9 +34,10 @@ _OF_THE_AREA = (
     "wires are in range",
     "lost parts lie in the train's interval",
     "section_1 is never clear with a train in it",
-    "section_1 is never clear with a vehicle that was not counted",
+    "section_1 is never clear with an unannounced vehicle behind the train",
 )
-"""Claimed of an area whose record and time of flight come as they come; the first laws of a reference are proved here, and not assumed."""
+"""Claimed of an area whose record and time of flight come as they come, and proved again behind the sensors. The other claims of an area hold here as well:
+all that it assumes is assumed here or proved, and each value on a wire is in the range of its input."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 

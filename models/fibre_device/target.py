@@ -93,7 +93,7 @@ ENTRIES = (
             "a section is reported clear with a vehicle in it",
             (
                 "section_1 is never clear with a train in it",
-                "section_1 is never clear with a vehicle that was not counted",
+                "section_1 is never clear with an unannounced vehicle behind the train",
                 "the axles that passed at the * end are compared",
             ),
         ),

@@ -13,7 +13,7 @@ from enum import Enum
 import z3
 
 from safeloc.codegen.smt import Terms, constant, value_of
-from safeloc.language.expr import Bool, NumVar, Var, all_of, any_of
+from safeloc.language.expr import Bool, Var, all_of, any_of
 from safeloc.language.interpret import Program
 from safeloc.language.nodes import Value
 from safeloc.language.system import TransitionSystem, environment
@@ -44,6 +44,7 @@ class Group:
         self.met: list[Bool] = []
         self.witnesses: list[Witness] = []
         self._program, self._programs = Program([condition]), list[Program]()
+        self._conditions = _Conditions(condition, self.inputs)
         self._add(constants(self._rest))
 
     def _add(self, witness: Witness) -> None:
@@ -70,7 +71,11 @@ class Group:
         """Learn witness functions until this state is covered, if any inputs are lawful in it."""
         if any(self._covers(number, state) for number in range(len(self.witnesses))):
             return Learned.COVERED
-        inputs = _lawful(self.condition, self.inputs, state, self._rest, seconds)
+        return self.cover(state, seconds)
+
+    def cover(self, state: State, seconds: float) -> Learned:
+        """Do the same for a state of which it is known that no witness function covers it yet."""
+        inputs = _lawful(self._conditions.in_(state), self._conditions.inputs, self._rest, seconds)
         if isinstance(inputs, Learned):
             return inputs
         for eager, resting in ((True, True), (True, False), (False, False)):
@@ -82,14 +87,32 @@ class Group:
         return Learned.COVERED
 
 
+class _Conditions:
+    """The conditions of a group as a term of the solver, made once; the values of a state are put in."""
+
+    def __init__(self, condition: Bool, inputs: Sequence[Var]) -> None:
+        self.inputs = {var: constant(var) for var in inputs}
+        self._state = {var: constant(var) for var in variables([condition]) if var not in self.inputs}
+        self._term = Terms({**self._state, **self.inputs}).bool(condition)
+
+    def in_(self, state: State) -> z3.ExprRef:
+        """Return the conditions on the inputs in a state: with its values in them little is left to solve."""
+        return z3.simplify(
+            z3.substitute(self._term, *((term, _value(state[var])) for var, term in self._state.items()))
+        )
+
+
+def _value(value: Value) -> z3.ExprRef:
+    return z3.BoolVal(value) if isinstance(value, bool) else z3.IntVal(value)
+
+
 def _lawful(
-    condition: Bool, inputs: Sequence[Var], state: State, rest: State, seconds: float
+    conditions: z3.ExprRef, named: Mapping[Var, z3.ExprRef], rest: State, seconds: float
 ) -> dict[Var, Value] | Learned:
-    """Find lawful inputs in this state, with as many of them at rest as can easily be found."""
-    named = {var: constant(var) for var in inputs}
-    known = {var: z3.IntVal(value) if isinstance(var, NumVar) else z3.BoolVal(value) for var, value in state.items()}
-    solver, asked, ends = new_solver(), Terms({**known, **named}), deadline(seconds)
-    solver.add(z3.simplify(asked.bool(condition)))  # with the state's values in it little is left to solve
+    """Find inputs that meet the conditions, with as many of them at rest as can easily be found."""
+    solver, ends = new_solver(), deadline(seconds)
+    solver.add(conditions)
+    inputs = list(named)
     wishes = {var: z3.FreshBool("rest") for var in inputs}
     solver.add(*(z3.Implies(wish, named[var] == rest[var]) for var, wish in wishes.items()))
     wished = {str(wish): wish for wish in wishes.values()}
@@ -165,7 +188,7 @@ def cover_facts(group: Group, facts: Sequence[Bool], ends: Deadline, seed: int) 
         answer = asked.uncovered(ends)
         if answer != z3.sat:
             return Learned.COVERED if answer == z3.unsat else Learned.UNDECIDED
-        found = group.learn(asked.state(), ends.left)
+        found = group.cover(asked.state(), ends.left)
         if found is not Learned.COVERED:
             return found
 
