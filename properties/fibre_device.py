@@ -15,7 +15,7 @@ from safeloc.language.spec import Property, always, reachable
 from safeloc.language.units import NM, NM_PER_MM, UM, UM_S
 from safeloc.models.axle_counter import AxleCounter
 from safeloc.models.axle_head import DOWN, UP
-from safeloc.models.fibre_device import FibreDevice
+from safeloc.models.fibre_device import FibreDevice, TimedEnd
 from safeloc.models.fibre_timed import FibreTimed
 from safeloc.models.verification.variables import AXLE_COUNTER, NEIGHBOUR, NOBODY
 from safeloc.properties import axle_counter, fibre_area, fibre_timed, time_of_flight
@@ -34,7 +34,6 @@ _OF_THE_AREA = (
     "wires are in range",
     "lost parts lie in the train's interval",
     "section_1 is never clear with a train in it",
-    "section_1 is never clear with an unannounced vehicle behind the train",
 )
 """Claimed of an area whose record and time of flight come as they come, and proved again behind the sensors. The other claims of an area hold here as well:
 all that it assumes is assumed here or proved, and each value on a wire is in the range of its input."""
@@ -45,7 +44,7 @@ under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 def properties(whole: FibreDevice) -> list[Property]:
     """Return the properties of the whole device."""
     sides = [_Side(whole, number) for number in range(2)]
-    found = [*_heads(whole, sides), *_reference(whole, sides), *_handed_over(whole, sides)]
+    found = [*_heads(whole, sides), *_reference(whole, sides), *_who_comes_in(whole), *_handed_over(whole, sides)]
     for side in sides:
         found += [*_true(side), *_narrow(side)]
     return [*found, *_of_the_area(whole), *_of_the_ends(whole), *_reached(whole, sides)]
@@ -196,6 +195,17 @@ def _reference(whole: FibreDevice, sides: list[_Side]) -> Iterator[Property]:
     )
 
 
+def _who_comes_in(whole: FibreDevice) -> Iterator[Property]:
+    """Claim that reference and entry speak of the same train."""
+    of, reference = whole.composition.of(whole.area.entry.machine), whole.composition.of(whole.reference.machine)
+    pairs = zip(whole.area.entry.own.enters, whole.reference.own.enters, strict=True)
+    yield for_all_inputs(
+        "the entry hears who comes in at each end",
+        all_of(of.num(heard).eq(reference.num(told)) for heard, told in pairs),
+        statement="the train that comes in at an end is the same for the entry as for the reference",
+    )
+
+
 def _handed_over(whole: FibreDevice, sides: list[_Side]) -> Iterator[Property]:
     """Claim what is heard of the neighbour."""
     reference, verified = whole.reference, whole.area.verification.own
@@ -269,11 +279,12 @@ def _narrow(side: _Side) -> Iterator[Property]:
 
 
 def _narrow_bounds(side: _Side) -> Iterator[Bool]:
-    """Widths alone: that the bounds contain the train's length, place and speed is claimed anyway."""
+    """No wider, and the length no narrower: the counter's bounds leave room for axles that are counted late, in which a bound rounded inward would hide."""
     whole, own = side.whole, side.whole.area.verification.own
     low, high = (exact_to(_read(whole, bound), UM) for bound in (own.record_length_low, own.record_length_high))
-    yield low > side.record("length_low_um") - 1_000
-    yield high < maximum(side.record("length_high_um"), 0) + 1_000
+    shortest, longest = side.record("length_low_um"), maximum(side.record("length_high_um"), 0)
+    yield (low > shortest - 1_000) & ((low <= shortest) | low.eq(0))
+    yield (high >= longest) & (high < longest + 1_000)
     width = {name: side.record(f"{name}_high_um") - side.record(f"{name}_low_um") for name in ("run", "length")}
     along = exact_to(_read(whole, own.record_place_high) - _read(whole, own.record_place_low), UM)
     most = width["run"] if side.number == 0 else width["run"] + width["length"]
@@ -297,9 +308,32 @@ def _of_the_area(whole: FibreDevice) -> Iterator[Property]:
 def _of_the_ends(whole: FibreDevice) -> Iterator[Property]:
     """Return what is claimed of one end that is timed, for each end."""
     for name, end in zip(("front", "rear"), whole.ends, strict=True):
+        yield from _one_end(whole, name, end)
         timed = FibreTimed(whole.config.timed, whole.composition, end.flight, end.additional, end.sections)
         for claim in fibre_timed.of_one_end(timed):
             yield replace(claim, name=f"{name}: {claim.name}")
+
+
+def _one_end(whole: FibreDevice, name: str, end: TimedEnd) -> Iterator[Property]:
+    """Claim that light and sections are about one and the same end, and hear one and the same amplitude."""
+    of, limit = whole.composition.of, 2 * whole.config.area.fibre.position_limit_mm * NM_PER_MM
+    truth = of(end.sections.machine).num(end.sections.own.ghosts.truth)
+    timed, compared = (of(one.machine).num(one.own.next_truth) for one in (end.flight, end.additional))
+    yield under_assumption(
+        f"{name}: the light runs to the end that the sections follow",
+        between(-limit, truth, limit).implies(timed.eq(truth) & compared.eq(truth)),
+        statement="within twice the coordinates of the line the place of the end is one for light and sections",
+        requirements=("FWG-4", "FWG-6"),
+    )
+    one, other = end.additional.own.amplitude, end.sections.own.amplitude
+    heard, told = of(end.sections.machine), of(end.additional.machine)
+    came = told.bool(one.present)
+    yield for_all_inputs(
+        f"{name}: sections and comparison hear one amplitude",
+        heard.bool(other.present).iff(came) & came.implies(heard.num(other.value).eq(told.num(one.value))),
+        statement="the machine of sections hears the amplitude of this cycle, or none if none came",
+        requirements=("FWG-4", "FWG-6"),
+    )
 
 
 def _reached(whole: FibreDevice, sides: list[_Side]) -> Iterator[Property]:

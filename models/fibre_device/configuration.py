@@ -6,6 +6,7 @@ from pydantic import model_validator
 
 from safeloc.config import CompositionConfig, quantity
 from safeloc.language.units import UM_PER_MM
+from safeloc.models.area import AreaConfig
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.fibre import FibreConfig
 from safeloc.models.fibre_area import FibreAreaConfig
@@ -13,15 +14,19 @@ from safeloc.models.fibre_timed.configuration import FibreTimedConfig
 from safeloc.models.time_of_flight import TimeOfFlightConfig
 from safeloc.models.verification import VerificationConfig
 
+_LINE_SPEED_MM_S = AreaConfig().max_speed_mm_s
+
 
 class FibreDeviceConfig(CompositionConfig):
     """One train, its area, and all sensors of the area; all machines act in one step, of one period."""
 
     area: FibreAreaConfig = FibreAreaConfig(
         fibre=FibreConfig(flight_threshold_mm=155_000),
-        verification=VerificationConfig(length_limit_mm=1_600_000),
+        verification=VerificationConfig(length_limit_mm=1_600_000, max_speed_mm_s=_LINE_SPEED_MM_S),
     )
-    counter: AxleCounterConfig = AxleCounterConfig(period_ms=500, axles_a_cycle=40, length_spread_mm=80_000)
+    counter: AxleCounterConfig = AxleCounterConfig(
+        period_ms=500, axles_a_cycle=40, length_spread_mm=200_000, max_speed_mm_s=_LINE_SPEED_MM_S
+    )
     time_of_flight: TimeOfFlightConfig = TimeOfFlightConfig()
     point_reach_mm: int = quantity(
         500_000, "mm", 0, 200_000_000, "[M] engineering default: a surveyed point in every kilometre of cable"
@@ -49,6 +54,7 @@ class FibreDeviceConfig(CompositionConfig):
         for figure, name, other in (
             ("period_ms", "area.verification", area.period_ms),
             ("max_speed_mm_s", "area.verification", area.max_speed_mm_s),
+            ("max_speed_mm_s", "area.sections.area", self.area.sections.area.max_speed_mm_s),
             ("axle_limit", "area.verification", area.axle_limit),
             ("axles_a_cycle", "area.axle_section", heads.axles_a_cycle),
         ):

@@ -8,6 +8,7 @@ from safeloc.language.units import MS_PER_S, NM_PER_MM, UM_PER_MM
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.runtime.streams.steps import Cell
 
+_TROLLEY_MM_S = 10_000
 _SPREAD_MM_S = 200
 "How far the reported bounds of an axle's speed are from it."
 
@@ -22,11 +23,11 @@ class Head:
         self._is_followed = False
 
     def trolley(self, axles: int) -> dict[str, Cell]:
-        """Return a cycle of the sweep: so many axles of a trolley pass upwards, 1 m apart, or none."""
-        run_mm = 1_000 * (axles + 1)
-        speed = run_mm * MS_PER_S // self._config.period_ms if axles else self._speed_mm_s
-        before = [self._place_mm - 500 - 1_000 * number for number in range(axles)]
-        told = self.cycle(before, [place + run_mm for place in before], speed)
+        """Return a cycle of the sweep: so many axles of a trolley at 10 m/s pass upwards, evenly through the cycle, or none."""
+        run_mm = _TROLLEY_MM_S * self._config.period_ms // MS_PER_S
+        apart_mm = run_mm // (axles + 1)
+        before = [self._place_mm - apart_mm // 2 - apart_mm * number for number in range(axles)]
+        told = self.cycle(before, [place + run_mm for place in before], _TROLLEY_MM_S if axles else self._speed_mm_s)
         self._is_followed = False
         return told
 

@@ -20,6 +20,7 @@ from safeloc.models.fibre_device.configuration import FibreDeviceConfig
 from safeloc.models.fibre_device.heads import Head
 from safeloc.models.fibre_timed.simulate import Timed, flight_cells
 from safeloc.runtime.streams.steps import Cell, write_steps
+from safeloc.simulated import SimulatedRun
 
 Steps = list[dict[str, Cell]]
 CONFIG = FibreDeviceConfig()
@@ -55,9 +56,10 @@ class Stay:
     spoilt: Mapping[int, Mapping[str, Cell | None]] = field(default_factory=dict)
 
 
-def simulate(config: FibreDeviceConfig, *, seed: int, journey: Journey | None = None) -> Steps:
-    """Return the steps of one stay."""
-    return simulate_stay(config, Stay(journey or SERVICE), seed=seed)
+def simulate(config: FibreDeviceConfig, *, seed: int, journey: Journey | None = None) -> SimulatedRun:
+    """Return one stay, with its first state."""
+    journey = journey or SERVICE
+    return SimulatedRun(simulate_stay(config, Stay(journey), seed=seed), first_values(config, journey))
 
 
 def simulate_stay(config: FibreDeviceConfig, stay: Stay, *, seed: int) -> Steps:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,10 +11,11 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.catalogue import load_target
-from safeloc.language.expr import TRUE
+from safeloc.language.expr import TRUE, Num, as_num, ite, minimum
 from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
 from safeloc.language.trace import Trace
+from safeloc.language.units import COUNT
 from safeloc.language.world import Law
 from safeloc.models.area.world import CLEAR_CLAUSE
 from safeloc.models.axle_counter import AxleCounterConfig
@@ -22,18 +23,34 @@ from safeloc.models.fibre import FibreConfig
 from safeloc.models.fibre.variables import FLIGHT_DIFFERS
 from safeloc.models.fibre_area import FibreAreaConfig
 from safeloc.models.fibre_area.entry_world import EMPTY, EXACT, SOUND
-from safeloc.models.fibre_device import FibreDeviceConfig, compose_machines
+from safeloc.models.fibre_device import FibreDevice, FibreDeviceConfig, compose_machines
 from safeloc.models.fibre_device import reference as reference_model
-from safeloc.models.fibre_device.reference import ONE_TRAIN
-from safeloc.models.fibre_device.simulate import CONFIG, RUNS, SERVICE, Stay, first_values, simulate_stay, write
+from safeloc.models.fibre_device.configurations import CONFIGURATIONS
+from safeloc.models.fibre_device.course import Parts as Course
+from safeloc.models.fibre_device.reference import ONE_TRAIN, Counted
+from safeloc.models.fibre_device.simulate import (
+    CONFIG,
+    RUNS,
+    SERVICE,
+    Stay,
+    first_values,
+    simulate,
+    simulate_stay,
+    write,
+)
 from safeloc.models.fibre_timed.additional import TRUE_PLACE
 from safeloc.models.fibre_timed.simulate import Timed
 from safeloc.models.verification import VerificationConfig
 from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.replayed_evidence import admissible_run
+from safeloc.properties.fibre_device import properties
 from safeloc.runtime.streams.steps import read_steps
+from tests.models.inductive import inductive_in
 from tests.models.owed_contracts import contract
 from tests.shipped_recordings import shipped
+
+NO_F = "a true time raises no F"
+"""The end of two claims that hold by more than one step."""
 
 # ------------------------------------------------------------------ contracts
 
@@ -70,12 +87,28 @@ def test_a_sound_reference_follows_from_the_counter_and_one_train_a_passage(monk
     ("fields", "message"),
     [
         ({"counter": AxleCounterConfig(axles_a_cycle=40)}, r"area\.verification\.period_ms is 500, but counter\.period_ms is 100"),
+        (
+            {"counter": CONFIG.counter.model_copy(update={"max_speed_mm_s": 50_000})},
+            r"area\.verification\.max_speed_mm_s is 44445, but counter\.max_speed_mm_s is 50000",
+        ),
+        (
+            {
+                "counter": CONFIG.counter.model_copy(update={"max_speed_mm_s": 50_000}),
+                "area": CONFIG.area.model_copy(
+                    update={"verification": VerificationConfig(length_limit_mm=1_600_000, max_speed_mm_s=50_000)}
+                ),
+            },
+            r"area\.sections\.area\.max_speed_mm_s is 44445, but counter\.max_speed_mm_s is 50000",
+        ),
         ({"counter": CONFIG.counter.model_copy(update={"axles_a_cycle": 10})}, r"area\.axle_section\.axles_a_cycle is 40, but counter\.axles_a_cycle is 10"),
-        ({"area": FibreAreaConfig(fibre=FibreConfig(flight_threshold_mm=155_000))}, r"length_limit_mm 1500000 is below 1570650"),
+        (
+            {"area": FibreAreaConfig(fibre=FibreConfig(flight_threshold_mm=155_000), verification=VerificationConfig(max_speed_mm_s=44_445))},
+            r"length_limit_mm 1500000 is below 1542873",
+        ),
         ({"area": CONFIG.area.model_copy(update={"fibre": FibreConfig()})}, r"fibre\.flight_threshold_mm is 60000, but a true time"),
         (
-            {"area": CONFIG.area.model_copy(update={"verification": VerificationConfig(length_limit_mm=1_600_000, position_limit_mm=100_000_000)})},
-            r"position_limit_mm 100000000 is below 103146301",
+            {"area": CONFIG.area.model_copy(update={"verification": VerificationConfig(length_limit_mm=1_600_000, max_speed_mm_s=44_445, position_limit_mm=100_000_000)})},
+            r"position_limit_mm 100000000 is below 103090747",
         ),
     ],
 )  # fmt: skip
@@ -83,6 +116,36 @@ def test_configurations_that_cannot_work_are_refused(fields: dict[str, object], 
     """With the figure that is in the way."""
     with pytest.raises(ValidationError, match=message):
         FibreDeviceConfig(**fields)  # type: ignore[arg-type]
+
+
+def _loses(whole: FibreDevice) -> set[str]:
+    """Claims that are not kept in one step."""
+    system = whole.composition.system
+    asked = [prop for prop in properties(whole) if prop.kind == "always" and NO_F not in prop.name]
+    return {prop.name for prop in asked if not inductive_in(system, prop, prop.name)}
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("shift", [lambda own: own.place, lambda own: minimum(own.place + own.run, 0)])
+def test_light_to_another_place_than_the_end_is_noticed(
+    shift: Callable[[Course], Num], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To where it was before the cycle, and to none beyond zero."""
+    monkeypatch.setattr(Course, "place_after", property(shift))
+    lost = {f"{end}: the light runs to the end that the sections follow" for end in ("front", "rear")}
+    assert lost <= _loses(compose_machines())
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize("trains", [1, 2])
+def test_the_record_of_another_train_is_none(trains: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With two trains a machine that takes the record of whoever is outermost is noticed; with one train there is nobody else."""
+    right = Counted.is_this_trains
+    of_anybody = property(lambda one: right.fget(replace(one, outermost=ite(one.outermost > 0, as_num(1, COUNT), 0))))  # type: ignore[attr-defined, misc]
+    monkeypatch.setattr(Counted, "is_this_trains", of_anybody)
+    config = CONFIG if trains == 1 else CONFIGURATIONS.named["two trains"]
+    assert isinstance(config, FibreDeviceConfig)
+    assert (trains == 2) == ("the counter's record of the train is its reference" in _loses(compose_machines(config)))
 
 
 # ------------------------------------------------------------------ recordings
@@ -133,6 +196,26 @@ def test_a_train_is_verified_by_the_record_of_its_counter(name: str, side: str) 
     assert told.outputs[f"counter_{side}.record_sound"] and told.outputs["verification.trusted"]
     assert 40 == told.outputs["reference.axles"]
     assert min(_cycles(trace, "verification.trusted", True)) == record
+
+
+def test_a_simulated_stay_has_its_first_state() -> None:
+    """So that what `safeloc simulate` writes can be replayed."""
+    made = simulate(CONFIG, seed=3)
+    steps = [{name: cell for name, cell in step.items() if name != "truth_mm"} for step in made.steps]
+    assert len(steps) == len(admissible_run(load_target("fibre_device").system, made.first, steps).steps)
+
+
+@pytest.mark.thorough(ordinary=1)
+@pytest.mark.parametrize(
+    ("length_mm", "axles", "speed_mm_s"),
+    [(205_000, 40, 15_000), (400_000, 64, 20_000), (740_000, 144, 15_000), (740_000, 144, 40_000)],
+)
+def test_a_longer_train_is_verified_too(length_mm: int, axles: int, speed_mm_s: int) -> None:
+    """From 15 m/s on, up to the longest train of the lines in Europe."""
+    journey = replace(
+        SERVICE, cycles=240, length_mm=length_mm, axles=axles, speeds_mm_s=((0, speed_mm_s),), area_mm=(0, 8_000_000)
+    )
+    assert any(step["verification.trusted"] for step in _without_ghosts(Stay(journey)))
 
 
 def test_a_train_that_is_handed_over_is_verified_before_its_record() -> None:

@@ -507,6 +507,15 @@ def _run_for_length(of: Wired) -> Wires:
     return {of.to("reference.low_length_high_um"): run}
 
 
+def _amplitude_always_there(of: Wired) -> Wires:
+    return {of.to("front.amplitude_cdb.present"): TRUE}
+
+
+def _enters_at_the_other_end(of: Wired) -> Wires:
+    sides = {"low": "high", "high": "low"}
+    return {of.to(f"entry.enters_{side}"): of.right(f"entry.enters_{other}") for side, other in sides.items()}
+
+
 def _rear_timed_for_front(of: Wired) -> Wires:
     """The front's sections are compared with the place to which the rear's light runs."""
     names = ("front.flight_position_mm", "front.flight_position_mm.present")
@@ -623,6 +632,11 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
         "front: the sections are compared with the place of this cycle",
     ),
     ("fibre_device", _rear_timed_for_front, "front: the sections are compared with the place of this cycle"),
+    ("fibre_device", _amplitude_always_there, "front: sections and comparison hear one amplitude"),
+    ("fibre_device", cut("rear.amplitude_cdb"), "rear: sections and comparison hear one amplitude"),
+    ("fibre_device", _enters_at_the_other_end, "the entry hears who comes in at each end"),
+    ("fibre_device", cut("front_course.place_nm"), "front: the light runs to the end that the sections follow"),
+    ("fibre_device", cut("rear.true_run_nm"), "rear: the light runs to the end that the sections follow"),
     ("fibre_device", cut("rear_additional.margin_above_mm"), "rear: a place is compared exactly when it can be"),
     ("fibre_timed", cut("fibre.flight_position_mm.present"), "the sections are compared with the place of this cycle"),
     ("fibre_timed", cut("fibre.flight_position_mm"), "the sections are compared with the place of this cycle"),
