@@ -17,7 +17,7 @@ _SPEED_MM_S = AreaConfig().max_speed_mm_s
 _SHORT = FibreDeviceConfig(
     area=FibreAreaConfig(
         axle_section=AxleSectionConfig(axles_a_cycle=10, lead_cycles=50),
-        fibre=FibreConfig(period_ms=100, gap_limit_cycles=20, flight_threshold_mm=155_000),
+        fibre=FibreConfig(period_ms=100, gap_limit_cycles=20, floor_mm=400, flight_threshold_mm=155_000),
         verification=VerificationConfig(
             period_ms=100,
             length_limit_mm=1_600_000,
