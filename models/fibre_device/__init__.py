@@ -216,7 +216,7 @@ def _timed(end: TimedEnd) -> dict[Var, Expr]:
     position, below, above = wired_interval(flight.machine)
     own, to, handed = compared.own, sections.flight_position, compared.machine.flag("compared")
     return {
-        end.course.own.place: before(sections.ghosts.truth),
+        end.course.own.place: in_range_of(before(sections.ghosts.truth), end.course.own.place),
         sections.ghosts.true_run: end.course.own.run,
         flight.own.next_truth: end.course.own.place_after,
         own.next_truth: end.course.own.place_after,

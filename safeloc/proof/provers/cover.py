@@ -45,6 +45,7 @@ class Group:
         self.witnesses: list[Witness] = []
         self._program, self._programs = Program([condition]), list[Program]()
         self._conditions = _Conditions(condition, self.inputs)
+        self._moving = set[Var]()
         self._add(constants(self._rest))
 
     def _add(self, witness: Witness) -> None:
@@ -75,7 +76,7 @@ class Group:
 
     def cover(self, state: State, seconds: float) -> Learned:
         """Do the same for a state of which it is known that no witness function covers it yet."""
-        inputs = _lawful(self._conditions.in_(state), self._conditions.inputs, self._rest, seconds)
+        inputs = _lawful(self._conditions.in_(state), self._conditions.inputs, self._rest, self._moving, seconds)
         if isinstance(inputs, Learned):
             return inputs
         for eager, resting in ((True, True), (True, False), (False, False)):
@@ -107,27 +108,31 @@ def _value(value: Value) -> z3.ExprRef:
 
 
 def _lawful(
-    conditions: z3.ExprRef, named: Mapping[Var, z3.ExprRef], rest: State, seconds: float
+    conditions: z3.ExprRef, named: Mapping[Var, z3.ExprRef], rest: State, moving: set[Var], seconds: float
 ) -> dict[Var, Value] | Learned:
-    """Find inputs that meet the conditions, with as many of them at rest as can easily be found."""
+    """Find inputs that meet the conditions, with as many of them at rest as can easily be found.
+
+    moving  inputs that could not rest in the state asked before: each is tried when the others have been found; those of this state are kept in it
+    """
     solver, ends = new_solver(), deadline(seconds)
     solver.add(conditions)
-    inputs = list(named)
-    wishes = {var: z3.FreshBool("rest") for var in inputs}
+    wishes = {var: z3.FreshBool("rest") for var in named}
     solver.add(*(z3.Implies(wish, named[var] == rest[var]) for var, wish in wishes.items()))
-    wished = {str(wish): wish for wish in wishes.values()}
-    given_up: dict[str, z3.BoolRef] = {}
+    of_wish = {str(wish): var for var, wish in wishes.items()}
+    wished = {var: wish for var, wish in wishes.items() if var not in moving}
     while (answer := ask(solver, ends.left, *wished.values())) == z3.unsat:
-        core = {str(part) for part in solver.unsat_core()}
+        core = {of_wish[str(part)] for part in solver.unsat_core()}
         if not core:
             return Learned.DEAD
-        given_up |= {name: wished.pop(name) for name in core}
+        wished = {var: wish for var, wish in wished.items() if var not in core}
     if answer != z3.sat:
         return Learned.UNDECIDED
     model = solver.model()
-    for name, wish in given_up.items():
-        if ask(solver, ends.left, *wished.values(), wish) == z3.sat:
-            wished[name], model = wish, solver.model()
+    for var in [var for var in named if var not in wished]:
+        if ask(solver, ends.left, *wished.values(), wishes[var]) == z3.sat:
+            wished[var], model = wishes[var], solver.model()
+    moving.clear()
+    moving.update(var for var in named if var not in wished)
     return {var: value_of(model, term) for var, term in named.items()}
 
 
