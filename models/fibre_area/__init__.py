@@ -48,7 +48,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from safeloc.language.composition import Clause, Composition, compose
 from safeloc.language.expr import (
@@ -128,31 +127,7 @@ class Sensors:
 
 
 @dataclass(frozen=True, eq=False)
-class FibreArea:
-    """The machines, and their composition."""
-
-    config: FibreAreaConfig
-    axle_section: AxleSection
-    entry: Entry
-    order: TrainOrder
-    front: Fibre
-    rear: Fibre
-    emitter: Emitter
-    verification: Verification
-    report: Report
-    area: Area
-    sections: tuple[Section, ...]
-    composition: Composition
-
-
-def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
-    """Return all machines of one train and its area in one step (FVA-1, FVA-9)."""
-    config = config or FibreAreaConfig()
-    front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
-    return joined(config, *machines_of(config, front, rear))
-
-
-class Machines(NamedTuple):
+class Machines:
     """The machines of an area, in the order of the step."""
 
     axle_section: AxleSection
@@ -165,6 +140,33 @@ class Machines(NamedTuple):
     report: Report
     area: Area
     sections: tuple[Section, ...]
+
+    def in_order(self) -> list[Machine]:
+        """Return them as they act."""
+        first = [
+            self.axle_section.machine,
+            self.entry.machine,
+            self.order.machine,
+            self.front.machine,
+            self.rear.machine,
+        ]
+        then = [self.emitter.machine, self.verification.machine, self.report.machine, self.area.machine]
+        return [*first, *then, *(one.machine for one in self.sections)]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FibreArea(Machines):
+    """The machines, and their composition."""
+
+    config: FibreAreaConfig
+    composition: Composition
+
+
+def compose_machines(config: FibreAreaConfig | None = None) -> FibreArea:
+    """Return all machines of one train and its area in one step (FVA-1, FVA-9)."""
+    config = config or FibreAreaConfig()
+    front, rear = (fibre_model.build(fibre_model.parts(config.fibre), name) for name in ("front", "rear"))
+    return joined(config, machines_of(config, front, rear))
 
 
 def machines_of(config: FibreAreaConfig, front: Fibre, rear: Fibre) -> Machines:
@@ -207,48 +209,31 @@ def _report_parts(config: FibreAreaConfig, pattern_limit_um: int) -> report_mode
     )
 
 
-def joined(
-    config: FibreAreaConfig,
-    axle_section: AxleSection,
-    entry: Entry,
-    order: TrainOrder,
-    front: Fibre,
-    rear: Fibre,
-    emitter: Emitter,
-    verification: Verification,
-    report: Report,
-    area: Area,
-    sections: tuple[Section, ...],
-    sensors: Sensors | None = None,
-) -> FibreArea:
+def joined(config: FibreAreaConfig, of: Machines, sensors: Sensors | None = None) -> FibreArea:
     """Return the given machines, wired, behind the given sensors."""
     sensors = sensors or Sensors()
     wires: dict[Var, Expr] = {
         **sensors.wires,
-        **_entry_wires(entry, axle_section, order),
-        **_order_wires(order, axle_section, entry),
-        **_verification_wires(verification, front, rear, emitter, entry, order),
-        **_report_wires(config, report, front, rear, verification, entry, order),
-        **_area_wires(area, report, entry, axle_section),
+        **_entry_wires(of.entry, of.axle_section, of.order),
+        **_order_wires(of.order, of.axle_section, of.entry),
+        **_verification_wires(of.verification, of.front, of.rear, of.emitter, of.entry, of.order),
+        **_report_wires(config, of.report, of.front, of.rear, of.verification, of.entry, of.order),
+        **_area_wires(of.area, of.report, of.entry, of.axle_section),
     }
-    for one in sections:
-        wires |= section_wires(area, one)
-    first = [axle_section.machine, entry.machine, order.machine, front.machine, rear.machine, emitter.machine]
-    then = [verification.machine, report.machine, area.machine, *(one.machine for one in sections)]
+    for one in of.sections:
+        wires |= section_wires(of.area, one)
     composition = compose(
         sensors.name,
-        [*sensors.machines, *first, *then],
+        [*sensors.machines, *of.in_order()],
         wires,
         discharge=[
             *sensors.discharge,
-            Clause(entry.machine, EXACT),
-            Clause(entry.machine, EMPTY),
-            Clause(area.machine, CLEAR_CLAUSE),
+            Clause(of.entry.machine, EXACT),
+            Clause(of.entry.machine, EMPTY),
+            Clause(of.area.machine, CLEAR_CLAUSE),
         ],
     )
-    return FibreArea(
-        config, axle_section, entry, order, front, rear, emitter, verification, report, area, sections, composition
-    )
+    return FibreArea(**vars(of), config=config, composition=composition)
 
 
 def _entry_wires(entry: Entry, axle_section: AxleSection, order: TrainOrder) -> dict[Var, Expr]:

@@ -108,7 +108,7 @@ def compose_machines(config: FibreDeviceConfig | None = None) -> FibreDevice:
         },
         [Clause(area.entry.machine, SOUND), front.discharged, rear.discharged],
     )
-    return FibreDevice(config, (low, high), reference, (front, rear), fibre_area.joined(config.area, *area, sensors))
+    return FibreDevice(config, (low, high), reference, (front, rear), fibre_area.joined(config.area, area, sensors))
 
 
 def _counter(config: FibreDeviceConfig, side: str) -> AxleCounter:

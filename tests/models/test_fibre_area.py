@@ -28,7 +28,7 @@ from safeloc.models import verification as verification_model
 from safeloc.models.area import AreaConfig
 from safeloc.models.emitter import Emitter
 from safeloc.models.fibre import Fibre
-from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, compose_machines, joined
+from safeloc.models.fibre_area import FibreArea, FibreAreaConfig, Machines, compose_machines, joined
 from safeloc.models.fibre_area import entry as entry_model
 from safeloc.models.fibre_area import report as report_model
 from safeloc.models.fibre_area.entry import Entry
@@ -413,7 +413,7 @@ def spoilt(part: str, row: str, **fields: object) -> FibreArea:
         fields["target"] = table[str(fields["target"])]
     broken = changed(machines[part].machine, row, **fields)  # type: ignore[attr-defined]
     machines[part] = replace(machines[part], machine=broken)  # type: ignore[type-var]
-    return joined(CONFIG, **machines, sections=(section(CONFIG.sections, "section_1"),))  # type: ignore[arg-type]
+    return joined(CONFIG, Machines(**machines, sections=(section(CONFIG.sections, "section_1"),)))  # type: ignore[arg-type]
 
 
 @pytest.mark.thorough(ordinary=1)
