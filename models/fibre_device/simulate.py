@@ -152,7 +152,10 @@ _COMES_IN = Journey(
     counted_every=1,
 )
 SERVICE = replace(_COMES_IN, cycles=240)
-_FROM_HIGH = replace(SERVICE, from_high=True, speeds_mm_s=((0, -40_000),), referred_in=0)
+_FROM_HIGH = replace(
+    SERVICE, tested=_AFTER_THE_SWEEP - 3, from_high=True, speeds_mm_s=((0, -40_000),), referred_in=0, counted_every=2,
+    emitter_dead=(_AFTER_THE_SWEEP + 130, 240),
+)  # fmt: skip
 _HANDED_OVER = replace(
     _COMES_IN, cycles=152, record=_AFTER_THE_SWEEP + 1, sender="NEIGHBOUR", front_missed=(1,), rear_missed=(1,)
 )
@@ -165,10 +168,6 @@ _BY_CODE = replace(
     front_stuck=(100_000, 850_000), rear_stuck=(100_000, 850_000), counted_every=3,
 )  # fmt: skip
 _SPLIT = replace(SERVICE, cycles=260, cuts_mm=((700_000, 1_200_000),), split=_AFTER_THE_SWEEP + 60, counted_every=3)
-_TURNED_BACK = replace(
-    SERVICE, cycles=317, tested=_AFTER_THE_SWEEP - 3, speeds_mm_s=((0, 30_000), (_AFTER_THE_SWEEP + 83, -30_000)), cuts_mm=((1_300_000, 1_600_000),), counted_every=5,
-    emitter_dead=(_AFTER_THE_SWEEP + 210, 317),
-)  # fmt: skip
 _TROUBLED = replace(SERVICE, cycles=170, silent=(_AFTER_THE_SWEEP + 40, _AFTER_THE_SWEEP + 48))
 _TROUBLES: Mapping[int, Mapping[str, Cell | None]] = {
     _AFTER_THE_SWEEP + 20: {f"{end}_flight.map_known": False for end in _ENDS},
@@ -181,18 +180,16 @@ RUNS: Mapping[str, Stay] = {
     "no-speed": Stay(replace(SERVICE, cycles=340, speeds_mm_s=((0, 20_000),)), spoilt=_NO_SPEED),
     "code": Stay(_BY_CODE),
     "split": Stay(_SPLIT),
-    "turned-back": Stay(_TURNED_BACK),
     "troubled": Stay(_TROUBLED, spoilt=_TROUBLES),
 }
 """The recordings that ship, by the end of their name.
 
 service      a train comes in at the low end, is verified by its record, and leaves at the high end
-from-high    the same from the high end
+from-high    the same from the high end; before it leaves, the emitter is silent
 handed-over  the neighbour hands the train over before its record is there; later a section of the fibre is missed
 no-speed     the head does not tell the speed of an axle: the record is overdue, has a flaw when it comes, and nobody is verified
 code         the ends get no reference; the fifth section of the position code locates them
 split        the last wagons come off, and stand
-turned-back  the train turns, and leaves where it came in; on the way back the emitter is silent
 troubled     a surveyed point is missing, and the pattern is lost; at last both heads are at fault
 """
 
