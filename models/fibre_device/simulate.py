@@ -153,8 +153,8 @@ _COMES_IN = Journey(
 )
 SERVICE = replace(_COMES_IN, cycles=240)
 _FROM_HIGH = replace(
-    SERVICE, tested=_AFTER_THE_SWEEP - 3, from_high=True, speeds_mm_s=((0, -40_000),), referred_in=0, counted_every=2,
-    emitter_dead=(_AFTER_THE_SWEEP + 130, 240),
+    SERVICE, enters=_AFTER_THE_SWEEP + 1, tested=_AFTER_THE_SWEEP - 3, from_high=True, speeds_mm_s=((0, -40_000),), referred_in=0,
+    counted_every=5, emitter_dead=(_AFTER_THE_SWEEP + 130, 240),
 )  # fmt: skip
 _HANDED_OVER = replace(
     _COMES_IN, cycles=152, record=_AFTER_THE_SWEEP + 1, sender="NEIGHBOUR", front_missed=(1,), rear_missed=(1,)
