@@ -33,10 +33,9 @@ _OF_THE_AREA = (
     "a train that is counted out has left with all its axles",
     "wires are in range",
     "lost parts lie in the train's interval",
-    "section_1 is never clear with a train in it",
 )
-"""Claimed of an area whose record and time of flight come as they come, and proved again behind the sensors. The other claims of an area hold here as well:
-all that it assumes is assumed here or proved, and each value on a wire is in the range of its input."""
+"""Claimed of an area whose record and time of flight come as they come, and proved again behind the sensors; so is that no section is clear with a train in it.
+The other claims of an area hold here as well: all that it assumes is assumed here or proved, and each value on a wire is in the range of its input."""
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
 under_assumption = partial(always, requirements=REQUIREMENTS, assumption=LAW)
 
@@ -299,7 +298,8 @@ def _narrow_bounds(side: _Side) -> Iterator[Bool]:
 def _of_the_area(whole: FibreDevice) -> Iterator[Property]:
     """Return what an area claims, where its reference and its time of flight are those of this step."""
     found = {claim.name: claim for claim in fibre_area.properties(whole.area)}
-    for name in _OF_THE_AREA:
+    clear = (f"{one.machine.name} is never clear with a train in it" for one in whole.area.sections)
+    for name in (*_OF_THE_AREA, *clear):
         claim = found[name]
         kept = claim if claim.unconditional else replace(claim, assumption=LAW)
         yield replace(kept, requirements=tuple(dict.fromkeys((*REQUIREMENTS, *claim.requirements))))

@@ -38,10 +38,10 @@ from safeloc.models.fibre_area import FibreArea, Machines, Sensors, in_range_of,
 from safeloc.models.fibre_area.entry_world import SOUND
 from safeloc.models.fibre_device import counted_axles as counted_axles_model
 from safeloc.models.fibre_device import reference as reference_model
-from safeloc.models.fibre_device.configuration import FibreDeviceConfig
+from safeloc.models.fibre_device.configuration import SIDES, FibreDeviceConfig
 from safeloc.models.fibre_device.counted_axles import CountedAxles
 from safeloc.models.fibre_device.course import Course, course
-from safeloc.models.fibre_device.reference import SIDES, Reference
+from safeloc.models.fibre_device.reference import Reference
 from safeloc.models.fibre_timed.additional import TRUE_PLACE, Additional, additional
 from safeloc.models.fibre_timed.additional import Parts as AdditionalParts
 from safeloc.models.time_of_flight import TimeOfFlight

@@ -14,6 +14,8 @@ from safeloc.models.fibre_timed.configuration import FibreTimedConfig
 from safeloc.models.time_of_flight import TimeOfFlightConfig
 from safeloc.models.verification import VerificationConfig
 
+SIDES = ("low", "high")
+"""Ends of the area, with a counter each."""
 _LINE_SPEED_MM_S = AreaConfig().max_speed_mm_s
 
 

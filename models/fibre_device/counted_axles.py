@@ -11,10 +11,9 @@ from safeloc.language.machine import Model, Transition, modes
 from safeloc.language.rows import Updates
 from safeloc.language.units import COUNT
 from safeloc.models.axle_head import AXLE, DOWN, UP
-from safeloc.models.fibre_device.configuration import FibreDeviceConfig
+from safeloc.models.fibre_device.configuration import SIDES, FibreDeviceConfig
 
 NAME = "counted_axles"
-SIDES = ("low", "high")
 
 
 class Parts:

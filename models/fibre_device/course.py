@@ -27,7 +27,6 @@ class Parts:
     declared: Declared
     place: NumVar
     run: NumVar
-
     farthest_nm: int
 
     @property

@@ -45,11 +45,10 @@ from safeloc.language.units import COUNT, MM, MM_S, UM, UM_PER_MM, Unit
 from safeloc.language.world import Law
 from safeloc.models.axle_head import AXLE, DOWN, UP
 from safeloc.models.fibre_area.entry_variables import THIS
-from safeloc.models.fibre_device.configuration import FibreDeviceConfig
+from safeloc.models.fibre_device.configuration import SIDES, FibreDeviceConfig
 from safeloc.models.verification.variables import AXLE_COUNTER, FROM, NEIGHBOUR, NOBODY
 
 NAME = "reference"
-SIDES = ("low", "high")
 ONE_TRAIN = "a passage over a counter is one train's"
 REQUIREMENTS = ("FVA-3", "FVA-12", "FVA-D1")
 

@@ -17,7 +17,7 @@ from safeloc.language.nodes import Value
 from safeloc.models.fibre_area.simulate import REMARK, Journey, World, first_state, simulated_ends
 from safeloc.models.fibre_area.simulated_counters import sweep
 from safeloc.models.fibre_device.configuration import FibreDeviceConfig
-from safeloc.models.fibre_device.heads import Head
+from safeloc.models.fibre_device.simulated_heads import Head
 from safeloc.models.fibre_timed.simulate import Timed, flight_cells
 from safeloc.runtime.streams.steps import Cell, write_steps
 from safeloc.simulated import SimulatedRun
