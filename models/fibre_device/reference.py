@@ -57,6 +57,8 @@ REQUIREMENTS = ("FVA-3", "FVA-12", "FVA-D1")
 class Counted:
     """The message of the counter at one end in this cycle, its place, and who was the outermost train there before the cycle.
 
+    length, run  bounds, um, in the direction in which the train came; speed: bounds, mm/s
+    end, outermost  place of the counter, mm; number of that train, 0: none
     passed  choice, wired to the counter's world: axles that passed in the passage that is recorded
     """
 
@@ -84,7 +86,7 @@ _Number = TypeVar("_Number", bound=Num, covariant=True)
 
 @dataclass(frozen=True, eq=False)
 class Record(Generic[_Flag, _Number]):
-    """A record as the verification reads it: bounds of length, speed and place of the front, counted upwards, and its age."""
+    """A record as the verification reads it: bounds of length (mm), speed (mm/s) and place of the front (mm), counted upwards, and its age in cycles."""
 
     sound: _Flag
     axles: _Number

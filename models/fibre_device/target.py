@@ -55,7 +55,6 @@ ENTRIES = (
         Family.FIBRE,
         place=95,
         simulates=True,
-        silent=("front_flight", "rear_flight"),
         members=(
             "counter_low",
             "counter_high",

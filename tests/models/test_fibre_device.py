@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,12 +11,13 @@ import pytest
 from pydantic import ValidationError
 
 from safeloc.catalogue import load_target
-from safeloc.language.expr import TRUE, Num, as_num, ite, minimum
+from safeloc.language.expr import TRUE, Num, NumVar, Var, as_num, ite, minimum
 from safeloc.language.interpret import run
 from safeloc.language.system import without_ghosts
 from safeloc.language.trace import Trace
 from safeloc.language.units import COUNT
 from safeloc.language.world import Law
+from safeloc.models import fibre_device
 from safeloc.models.area.world import CLEAR_CLAUSE
 from safeloc.models.axle_counter import AxleCounterConfig
 from safeloc.models.fibre import FibreConfig
@@ -40,6 +41,7 @@ from safeloc.models.fibre_device.simulate import (
 )
 from safeloc.models.fibre_timed.additional import TRUE_PLACE
 from safeloc.models.fibre_timed.simulate import Timed
+from safeloc.models.train_order import TrainOrder
 from safeloc.models.verification import VerificationConfig
 from safeloc.proof.provers.implication import Refuted
 from safeloc.proof.provers.replayed_evidence import admissible_run
@@ -143,6 +145,22 @@ def test_the_record_of_another_train_is_none(trains: int, monkeypatch: pytest.Mo
     right = Counted.is_this_trains
     of_anybody = property(lambda one: right.fget(replace(one, outermost=ite(one.outermost > 0, as_num(1, COUNT), 0))))  # type: ignore[attr-defined, misc]
     monkeypatch.setattr(Counted, "is_this_trains", of_anybody)
+    config = CONFIG if trains == 1 else CONFIGURATIONS.named["two trains"]
+    assert isinstance(config, FibreDeviceConfig)
+    assert (trains == 2) == ("the counter's record of the train is its reference" in _loses(compose_machines(config)))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("trains", [1, 2])
+def test_the_outermost_train_at_the_other_end_is_noticed(trains: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With two trains; with one, it is the outermost at both ends."""
+    right = fibre_device.outermost_before
+
+    def exchanged(order: TrainOrder, low_and_high: Sequence[NumVar]) -> dict[Var, Num]:
+        (low, at_low), (high, at_high) = right(order, low_and_high).items()
+        return {low: at_high, high: at_low}
+
+    monkeypatch.setattr(fibre_device, "outermost_before", exchanged)
     config = CONFIG if trains == 1 else CONFIGURATIONS.named["two trains"]
     assert isinstance(config, FibreDeviceConfig)
     assert (trains == 2) == ("the counter's record of the train is its reference" in _loses(compose_machines(config)))
