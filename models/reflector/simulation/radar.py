@@ -22,6 +22,8 @@ from safeloc.models.vocabulary.reflectors import MODEL
 from safeloc.simulation.faults import Fault
 from safeloc.simulation.many_runs import Array
 
+_NOBODY_MM = 10**9
+"""How far ahead another vehicle is that is not ahead."""
 _CDB_A_DOUBLING = 1_200
 """Range law: 12 dB less for each doubling of range."""
 MODELS = tuple(one.label for one in MODEL)
@@ -155,6 +157,7 @@ class Radars:
         route = scene.route
         seen = sorted((*route.reflectors, *route.beside), key=lambda one: one.position_mm)
         self._reflectors = [one for one in seen if one.position_mm not in route.missing]
+        self._others_mm = [np.array(one.ends_mm, dtype=np.int64) for one in scene.others]
 
     def frames(self, at: Instants, slots: dict[str, Array]) -> Frames:
         """Return the frames of some cycles; fill these empty slots, arrays [slot, cell]."""
@@ -166,7 +169,12 @@ class Radars:
         which = np.flatnonzero(~paused)
         share = self._config.frame_latency_ms / self._config.period_ms * between(self._draws, "latency", which, 0, 0.8)
         at_frame = at.ends_nm[which] - (at.distance_nm.ravel()[which] * share).astype(np.int64)
-        self._reflected(frames, at, which, at_frame)
+        others = [self._ahead_mm(ends, at, which, at_frame) for ends in self._others_mm]
+        self._reflected(frames, at, which, at_frame, np.min(others, axis=0, initial=_NOBODY_MM))
+        for ahead_mm in others:
+            met = ahead_mm < self._config.strong_range_mm
+            range_mm = ahead_mm[met] + self._config.radar_offset_mm
+            _add_thing(frames, which[met], range_mm, MODELS.index(NOWHERE), -4_000)
         if self._disturbed.have("decoy"):
             self._decoys(frames, at, paused)
         self._clutter(frames, which, at_frame)
@@ -183,8 +191,15 @@ class Radars:
         )
         return nearest <= 2 * one.view_from_mm + farthest_mm and one.view_to_mm - farthest_mm <= last
 
-    def _reflected(self, frames: Frames, at: Instants, which: Which, at_frame: NDArray[np.int64]) -> None:
-        """Add the echoes of the reflectors near the vehicles, the nearest first."""
+    def _ahead_mm(self, ends_mm: Array, at: Instants, which: Which, at_frame: NDArray[np.int64]) -> Array:
+        """Return how far ahead of each cell the end of another vehicle is; `_NOBODY_MM` where it is behind."""
+        ahead_mm = ends_mm[at.first + which // self._vehicles] - at_frame // NM_PER_MM
+        return np.where(ahead_mm >= 0, ahead_mm, _NOBODY_MM)
+
+    def _reflected(
+        self, frames: Frames, at: Instants, which: Which, at_frame: NDArray[np.int64], free_mm: Array
+    ) -> None:
+        """Add the echoes of the reflectors near the vehicles, the nearest first; those more than `free_mm` ahead are hidden."""
         near = [(number, one) for number, one in enumerate(self._reflectors) if self._in_reach(one, at)]
         if not near:
             return
@@ -194,7 +209,8 @@ class Radars:
         for number, one in near:
             away_mm = one.position_mm + self._beside(one, which) / NM_PER_MM - at_frame / NM_PER_MM
             range_mm = np.rint(away_mm).astype(np.int64) + self._config.radar_offset_mm
-            seen = (one.view_to_mm <= range_mm) & (range_mm < 2 * one.view_from_mm) & sighted
+            near_enough = (one.view_to_mm <= range_mm) & (range_mm < 2 * one.view_from_mm)
+            seen = near_enough & (away_mm <= free_mm) & sighted
             if seen.any():
                 self._echo(frames, at, number, which[seen], range_mm[seen])
 

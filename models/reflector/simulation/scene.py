@@ -10,6 +10,16 @@ NOWHERE = "NONE"
 
 
 @dataclass(frozen=True)
+class OtherVehicle:
+    """Another vehicle on the track: the place of its end towards this one in each cycle, mm along the route.
+
+    While it is ahead it sends a strong echo that shows no model, and hides the reflectors behind that end.
+    """
+
+    ends_mm: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Reflector:
     """A reflector of the line; lengths in mm along the route.
 
@@ -108,5 +118,6 @@ class Scene:
     clutter: float = 0.3
     pauses: float = 0.02
     dropout: float = 0.005
+    others: tuple[OtherVehicle, ...] = ()
     disturbances: tuple[Fault, ...] = field(default=())
     sensor_faults: tuple[Fault, ...] = ()
