@@ -127,7 +127,7 @@ def _loses(whole: FibreDevice) -> set[str]:
     return {prop.name for prop in asked if not inductive_in(system, prop, prop.name)}
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("shift", [lambda own: own.place, lambda own: minimum(own.place + own.run, 0)])
 def test_light_to_another_place_than_the_end_is_noticed(
     shift: Callable[[Course], Num], monkeypatch: pytest.MonkeyPatch
@@ -138,7 +138,7 @@ def test_light_to_another_place_than_the_end_is_noticed(
     assert lost <= _loses(compose_machines())
 
 
-@pytest.mark.thorough(ordinary=1)
+@pytest.mark.thorough
 @pytest.mark.parametrize("trains", [1, 2])
 def test_the_record_of_another_train_is_none(trains: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """With two trains a machine that takes the record of whoever is outermost is noticed; with one train there is nobody else."""
@@ -196,6 +196,7 @@ def test_recordings_are_what_the_simulation_makes(tmp_path: Path) -> None:
         assert list(read_steps(path).steps) == list(ships.steps)
 
 
+@pytest.mark.thorough(ordinary=2)
 @pytest.mark.parametrize("name", RUNS)
 def test_recordings_obey_all_laws(name: str) -> None:
     """Of every machine: counters, light, fibre, area."""

@@ -155,6 +155,7 @@ def test_spoofing_is_wrong_for_a_while_and_said_to_be() -> None:
     assert run(with_troubles([case])).standings["WRONG"] > 0
 
 
+@pytest.mark.thorough
 def test_sources_that_come_to_exclude_each_other_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawn away by 3 m/s the satellites are believed until another source excludes them: in that cycle both are named, and
     nothing is passed on. Where it is passed on again, an absolute reference has just been accepted and all agree."""

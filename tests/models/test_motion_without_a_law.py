@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from safeloc.campaign.judged import judge_of
@@ -75,6 +76,7 @@ def test_a_common_cause_is_not_noticed_between_groups() -> None:
     assert both.cycles[-1] == both.last_told < 1_299
 
 
+@pytest.mark.thorough
 def test_a_vehicle_that_creeps_with_a_locked_wheel_is_taken_for_one_that_stands() -> None:
     """0.4 m/s, below the radar's floor, and no pulse: after three minutes the front end is 69 m outside; nothing ends it."""
     creeps = found(CREEPS, {ODOMETER: 0.0}, 650, CHECK_LAWFUL)

@@ -118,6 +118,7 @@ def test_a_broken_clause_is_refuted_with_its_place(old: str, new: str, broken: s
         assert re.match(r".*wrong\.py:\d+, contract of a source: ", claim.statement)
 
 
+@pytest.mark.thorough
 def test_a_margin_that_cannot_be_heard(tmp_path: Path) -> None:
     """Wider than the localizer hears: refuted, with the figure."""
     target = load_target(f"contract+{edited(tmp_path, '300, 45_000', '300, 450_000')}")

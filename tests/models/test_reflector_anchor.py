@@ -68,6 +68,7 @@ def test_a_telegram_that_anchors_nothing_is_not_bound(target: Target, metro: Ste
     assert not last.outputs["balise.reference_accepted"]
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize(
     ("name", "off"),
     [("line.next_position_mm", 100), ("balise.telegram_reflector_mm", 100), ("line.next_reference_mm", -100)],

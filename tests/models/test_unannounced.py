@@ -268,7 +268,7 @@ WRONG: dict[str, tuple[str, Wrong, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.thorough(ordinary=3)
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("edit", WRONG)
 def test_a_wrong_entry_is_noticed(monkeypatch: pytest.MonkeyPatch, edit: str) -> None:
     """Each loses the claim that speaks of it; the right one has it."""

@@ -85,6 +85,7 @@ def test_a_clause_that_is_not_needed_does_no_harm() -> None:
         assert ("containment", "never wider", "nothing") == one.kept
 
 
+@pytest.mark.thorough
 def test_a_wrong_run_is_withdrawn_in_time() -> None:
     """The interval runs on for four cycles after a fix: proved, with the shortest run that ends in a wrong interval."""
     one = singles()[MEASURED]

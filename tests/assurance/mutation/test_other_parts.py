@@ -76,6 +76,7 @@ def test_a_clause_that_asks_for_too_much() -> None:
         assert ("weaker", "asks for more than the claims need") == (one.direction, one.alone.fate)
 
 
+@pytest.mark.thorough
 def test_a_clause_that_excludes_what_nobody_saw() -> None:
     """A world that allows less keeps all claims; without a recording nothing says that it is wrong."""
     one = found("world", "nobody is fast", "true_speed_mm_s < 80 mm/s")

@@ -156,6 +156,7 @@ def test_a_real_line_with_its_groups() -> None:
     assert found.least_eur <= found.cost_eur <= found.least_eur * 120 // 100
 
 
+@pytest.mark.thorough
 def test_reflectors_are_added_where_they_cost_less() -> None:
     """Of 1.3 km one group and two reflectors hold, for 16 000 EUR where two groups cost 20 000; the group has its function test."""
     line, layout = straight(1_300_000), LayoutConfig()

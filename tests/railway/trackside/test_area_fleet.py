@@ -41,6 +41,7 @@ def driven(
     return made
 
 
+@pytest.mark.thorough(ordinary=1)
 @pytest.mark.parametrize("upwards", [True, False], ids=["upwards", "downwards"])
 def test_reports_that_come_as_they_should(tmp_path: Path, upwards: bool) -> None:
     """Trains get slots, sections ahead and behind are clear, and none of them over a vehicle."""
@@ -50,7 +51,7 @@ def test_reports_that_come_as_they_should(tmp_path: Path, upwards: bool) -> None
     assert sum(drive.clear_told for drive in drives) > CYCLES
 
 
-@pytest.mark.thorough(ordinary=6)
+@pytest.mark.thorough(ordinary=3)
 @pytest.mark.parametrize("upwards", [True, False], ids=["upwards", "downwards"])
 @pytest.mark.parametrize("trouble", TROUBLES)
 def test_reports_in_trouble(tmp_path: Path, trouble: str, upwards: bool) -> None:

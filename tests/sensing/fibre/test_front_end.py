@@ -104,6 +104,7 @@ def test_a_standing_train_is_not_told_and_not_gone() -> None:
     assert found[-1][1].trains == ()
 
 
+@pytest.mark.thorough
 def test_two_trains_keep_their_order() -> None:
     """One behind the other: two tracks, nearest to the coupler first."""
     found = frames(seen(world(coaches(3, 300, 25.0), coaches(3, 900, 25.0)), 50))
