@@ -9,6 +9,7 @@ from typing import Any
 
 import duckdb
 
+from safeloc.campaign.counted import SHARE_UNITS
 from safeloc.campaign.declaration import Campaign, Stratum
 from safeloc.campaign.scenes import scene_of
 from safeloc.campaign.shards import FOLDER
@@ -25,6 +26,7 @@ from safeloc.campaign.statistics import (
     weighted_mean,
 )
 from safeloc.language.units import NM_PER_MM
+from safeloc.report.campaign_pictures import Spread, Stretch
 
 _LAWS = {"kept": "law kept", "broken": "law broken"}
 _STANDINGS = {"contained": "contained", "silent": "nothing reported", "wrong": "wrong interval"}
@@ -35,7 +37,9 @@ _READ_ONCE = """create table rows_ as select * from (
     select * from {files} where row = 'vehicle'
     union all by name
     select row, name, stratum, x, y, sum(cycles)::bigint as cycles, sum(vehicles)::bigint as vehicles, sum(told)::bigint as told,
-        sum(width_sum_mm)::bigint as width_sum_mm, max(widest_mm) as widest_mm
+        sum(width_sum_mm)::bigint as width_sum_mm, max(widest_mm) as widest_mm, sum(reporting)::bigint as reporting,
+        sum(share_sum)::bigint as share_sum, sum(share_squares)::hugeint as share_squares,
+        sum(mean_sum)::bigint as mean_sum, sum(mean_squares)::hugeint as mean_squares
     from {files} where row <> 'vehicle' group by all
 ) order by stratum"""
 """The vehicles, and the counts of all shards together: there are some hundred questions for each stratum, and thousands of files."""
@@ -293,23 +297,59 @@ class Results:
         """Return the number of cycles without a report."""
         return int(self._one("select sum(cycles - told) from rows_ where row = 'vehicle'"))
 
-    def along(self, stratum: Stratum) -> list[tuple[int, int, int, int, int]]:
-        """Return the stretches of a stratum: stretch, cycles, those with a report, mean and greatest width in mm."""
-        return self._all(
-            "select x, sum(cycles), sum(told), sum(width_sum_mm) // greatest(sum(told), 1), max(widest_mm) from rows_ "
-            f"where row = 'place' and stratum = {stratum.number} group by x order by x"
-        )
+    def along(self, stratum: Stratum, widest_mm: int | None) -> list[Stretch]:
+        """Return the stretches of a stratum, each with intervals over the vehicles that were there; nothing where vehicles are weighed.
 
-    def margins_mm(self, stratum: Stratum) -> list[int]:
-        """Return of the vehicles' smallest margins the least, that of 1 %, of 10 % and the median, mm; nothing without a report."""
-        found = self._one(
-            "select quantile_disc(least_margin_nm, [0, 0.01, 0.1, 0.5]) from rows_ where row = 'vehicle' and least_margin_nm is not null "
-            f"and stratum = {stratum.number}"
+        widest_mm  the greatest width that can be reported; without it the mean width has no interval
+        """
+        if self._tilted(stratum):
+            return []
+        rows = self._all(
+            "select x, vehicles, share_sum, share_squares, reporting, mean_sum, mean_squares, widest_mm from rows_ "
+            f"where row = 'place' and stratum = {stratum.number} order by x"
         )
-        return [one // NM_PER_MM for one in found or ()]
+        return [self._stretch(row, widest_mm) for row in rows]
+
+    def _stretch(self, row: Sequence[int], widest_mm: int | None) -> Stretch:
+        x, vehicles, shares, share_squares, reporting, means, mean_squares, seen_mm = row
+        share = mean_share(shares / SHARE_UNITS, share_squares / SHARE_UNITS**2, vehicles, self._confidence)
+        told = Spread(share.value, share.low, share.high)
+        if not reporting:
+            return Stretch(x, vehicles, told, 0, None, 0)
+        if widest_mm is None or seen_mm > widest_mm:
+            return Stretch(x, vehicles, told, reporting, Spread(means / reporting, None, None), seen_mm)
+        part = mean_share(means / widest_mm, mean_squares / widest_mm**2, reporting, self._confidence)
+        width = Spread(part.value * widest_mm, part.low * widest_mm, part.high * widest_mm)
+        return Stretch(x, vehicles, told, reporting, width, seen_mm)
+
+    def margins_mm(self, stratum: Stratum) -> list[Spread]:
+        """Return of the vehicles' smallest margins the least, and that of 1 %, of 10 % and the median with their intervals, mm.
+
+        Nothing without a report, or where vehicles are weighed. An end is None where so few vehicles do not bound it, and so are both of the least.
+        """
+        rows = f"from rows_ where row = 'vehicle' and least_margin_nm is not null and stratum = {stratum.number}"
+        trials = self._one(f"select count(*) {rows}")
+        if not trials or self._tilted(stratum):
+            return []
+
+        def ranked(rank: int | None) -> int | None:
+            if rank is None:
+                return None
+            return (
+                int(self._one(f"select least_margin_nm {rows} order by least_margin_nm limit 1 offset {rank - 1}"))
+                // NM_PER_MM
+            )
+
+        made = [Spread(ranked(1) or 0, None, None)]
+        for share in (0.01, 0.1, 0.5):
+            ranks = quantile_ranks(share, trials, self._confidence)
+            made.append(Spread(ranked(ranks.at) or 0, ranked(ranks.low), ranked(ranks.high)))
+        return made
 
     def times(self, stratum: Stratum, column: str) -> list[tuple[int, int]]:
-        """Return times (-1: not until the end) and the number of vehicles with each."""
+        """Return times (-1: not until the end) and the number of vehicles with each; nothing where vehicles are weighed."""
+        if self._tilted(stratum):
+            return []
         return self._all(
             f"select {column}, count(*) from rows_ where row = 'vehicle' and {column} is not null and stratum = {stratum.number} "
             f"group by {column} order by {column}"

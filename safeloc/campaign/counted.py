@@ -3,7 +3,7 @@
 vehicle   one for each: its cycles by law and interval, its smallest margin, times to withdraw
 clause    how often a clause was broken: cycles, and vehicles
 stanford  cycles by error and margin, in cells of a fiftieth of the limit; the last cell holds all beyond
-place     cycles and widths by stretch of the line
+place     by stretch of the line: cycles and widths, and what the vehicles that were there have on the mean, with its squares
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ from safeloc.target import Target
 
 CELLS_TO_LIMIT, CELLS = 50, 120
 """Cells of the Stanford diagram up to the limit, and in all."""
+SHARE_UNITS = 1_000_000
+"""A vehicle's share of cycles in a stretch is counted in millionths, so that sums are the same in every order."""
 
 SCHEMA = pa.schema(
     [("row", pa.string()), ("stratum", pa.int32()), ("shard", pa.int32())]
@@ -36,6 +38,7 @@ SCHEMA = pa.schema(
         for name in ("first_broken", "first_wrong", "longest_wrong", "least_margin_nm", "least_margin_cycle")
     ]
     + [(name, pa.int64()) for name in ("widest_mm", "width_sum_mm", "withdrawn_after", "reaction", "refused")]
+    + [(name, pa.int64()) for name in ("reporting", "share_sum", "share_squares", "mean_sum", "mean_squares")]
     + [("weight", pa.float64())]
 )
 """Columns; those that a kind of row does not have are empty, and so are figures that a vehicle has not."""
@@ -139,21 +142,27 @@ class Counted:
         return {"row": "stanford", "name": names, "x": joined["x"], "y": joined["y"], "cycles": joined["vehicles"]}
 
     def _places(self) -> dict[str, Any]:
-        one = self.outcome
+        one, vehicles = self.outcome, self.outcome.told.shape[1]
         stretch = one.truth_nm // (self.place_step_mm * NM_PER_MM)
         known, of_cycle = np.unique(stretch, return_inverse=True)
-        of_cycle = of_cycle.ravel()
+        cell = (of_cycle.reshape(stretch.shape) * vehicles + np.arange(vehicles)).ravel()
         told, width = one.told.ravel(), np.where(one.told, one.width_mm, 0).ravel()
         widest = np.zeros(len(known), dtype=np.int64)
-        np.maximum.at(widest, of_cycle[told], width[told])
+        np.maximum.at(widest, cell[told] // vehicles, width[told])
+
+        def each(weights: Array | None = None) -> Array:
+            """Return a sum for each vehicle in each stretch: array [stretch, vehicle]."""
+            sums = np.bincount(cell, weights=weights, minlength=len(known) * vehicles)
+            return sums.astype(np.int64).reshape(len(known), vehicles)
+
+        cycles, reports, widths = each(), each(told), each(width)
+        share, mean = reports * SHARE_UNITS // np.maximum(cycles, 1), widths // np.maximum(reports, 1)
         return {
-            "row": "place",
-            "x": known,
-            "cycles": np.bincount(of_cycle, minlength=len(known)),
-            "told": np.bincount(of_cycle[told], minlength=len(known)),
-            "width_sum_mm": np.bincount(of_cycle, weights=width, minlength=len(known)).astype(np.int64),
-            "widest_mm": widest,
-        }
+            "row": "place", "x": known, "cycles": cycles.sum(axis=1), "vehicles": (cycles > 0).sum(axis=1),
+            "told": reports.sum(axis=1), "width_sum_mm": widths.sum(axis=1), "widest_mm": widest,
+            "share_sum": share.sum(axis=1), "share_squares": (share**2).sum(axis=1),
+            "reporting": (reports > 0).sum(axis=1), "mean_sum": mean.sum(axis=1), "mean_squares": (mean**2).sum(axis=1),
+        }  # fmt: skip
 
 
 def _begin(faults: Sequence[Any]) -> int:

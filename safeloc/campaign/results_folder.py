@@ -9,7 +9,7 @@ from typing import Any
 
 from safeloc.campaign.aggregate import Results
 from safeloc.campaign.counted import CELLS_TO_LIMIT, alert_limit_mm
-from safeloc.campaign.declaration import Campaign
+from safeloc.campaign.declaration import Campaign, Stratum
 from safeloc.campaign.kept import keep_streams
 from safeloc.campaign.scenes import scene_of
 from safeloc.report.campaign_page import campaign_page
@@ -47,17 +47,20 @@ def _pictures(campaign: Campaign, results: Results, data: Mapping[str, Any]) -> 
     limits = {alert_limit_mm(campaign, scene_of(campaign, one).target) for one in strata}
     names = {one.number: campaign.words_of(one) for one in strata}
     period = {names[one.number]: data["strata"][one.number]["period_ms"] for one in strata}
-    along = {names[one.number]: results.along(one) for one in strata}
+    along = {names[one.number]: results.along(one, _widest_mm(campaign, one)) for one in strata}
     margins = {names[one.number]: results.margins_mm(one) for one in strata}
     found = {
-        "width": ("Width along the line", width_along_line(along, declared.place_step_mm, "width along the line")),
+        "width": (
+            "Width along the line",
+            width_along_line(along, declared.place_step_mm, declared.confidence, "width along the line"),
+        ),
         "availability": (
             "Availability along the line",
-            availability_along_line(along, declared.place_step_mm, "availability along the line"),
+            availability_along_line(along, declared.place_step_mm, declared.confidence, "availability along the line"),
         ),
         "margins": (
             "Smallest margins of the vehicles, by situation",
-            margins_of_situations(margins, "smallest margins by situation"),
+            margins_of_situations(margins, declared.confidence, "smallest margins by situation"),
         ),
     }
     if len(limits) == 1:  # cells of vehicles with different limits are of different size
@@ -72,3 +75,9 @@ def _pictures(campaign: Campaign, results: Results, data: Mapping[str, Any]) -> 
         times = {names[one.number]: results.times(one, column) for one in strata}
         found[name] = (caption, times_until_silent(times, period, declared.confidence, caption))
     return found
+
+
+def _widest_mm(campaign: Campaign, stratum: Stratum) -> int | None:
+    """Return the greatest width that the machine can report, where its tolerance bounds both margins."""
+    tolerance_mm = getattr(scene_of(campaign, stratum).target.config, "tolerance_mm", None)
+    return None if tolerance_mm is None else 2 * int(tolerance_mm)

@@ -28,7 +28,7 @@ from safeloc.language.digest import full_digest
 from safeloc.proof.cache.engine import source_digest
 from safeloc.target import Target
 
-_FORMAT = "safeloc-shard/2"
+_FORMAT = "safeloc-shard/3"
 FOLDER = "shards"
 _NAMED = re.compile(r"(\d{6,})-([0-9a-f]{16})-([0-9a-f]{16})\.parquet")
 _WIDTH = 16

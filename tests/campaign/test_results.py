@@ -83,16 +83,14 @@ def test_files_are_read_once(finished: Path, tmp_path: Path) -> None:
     for row in (row for shard in shards for row in rows(shard, "place")):
         places.setdefault(row["x"], []).append(row)
     assert any(len(some) > 1 for some in places.values())
-    assert results.along(campaign.strata[0]) == [
-        (
-            x,
-            sum(row["cycles"] for row in some),
-            told := sum(row["told"] for row in some),
-            sum(row["width_sum_mm"] for row in some) // max(told, 1),
-            max(row["widest_mm"] for row in some),
-        )
-        for x, some in sorted(places.items())
-    ]
+    found = results.along(campaign.strata[0], 60_000)
+    assert [one.number for one in found] == sorted(places)
+    for one, some in zip(found, (places[number] for number in sorted(places)), strict=True):
+        total = {name: sum(row[name] for row in some) for name in ("vehicles", "share_sum", "reporting", "mean_sum")}
+        assert (one.vehicles, one.reporting) == (total["vehicles"], total["reporting"])
+        assert one.widest_mm == max(row["widest_mm"] for row in some)
+        assert one.told.value == pytest.approx(total["share_sum"] / total["vehicles"] / 1e6)
+        assert one.width_mm is None or one.width_mm.value == pytest.approx(total["mean_sum"] / total["reporting"])
     assert results.as_data()["vehicle_cycles"] == 1_500
 
 

@@ -142,6 +142,31 @@ def test_counts_for_pictures_add_up() -> None:
     assert max(row["widest_mm"] for row in vehicles) == max(row["widest_mm"] for row in places)
 
 
+def test_places_count_each_vehicle_that_was_there() -> None:
+    """Its share of cycles with a report there, in millionths, and the mean width of these reports; sums of both, and of their squares."""
+    campaign = small()
+    scene, _, runs = drawn_runs(campaign, campaign.shards[0])
+    one, step_nm = judge_of(scene.target).outcome(runs), campaign.declared.place_step_mm * 1_000_000
+    there: dict[int, dict[int, list[int]]] = {}
+    for cycle, vehicle in np.ndindex(one.told.shape):
+        counts = there.setdefault(int(one.truth_nm[cycle, vehicle]) // step_nm, {}).setdefault(vehicle, [0, 0, 0])
+        told = int(one.told[cycle, vehicle])
+        for place, more in enumerate((1, told, told * int(one.width_mm[cycle, vehicle]))):
+            counts[place] += more
+    assert len(there) > 1
+    for row in rows(run_shard(campaign.text, "small.toml", 0), "place"):
+        each = there.pop(row["x"]).values()
+        shares = [reports * 1_000_000 // cycles for cycles, reports, _ in each]
+        means = [widths // reports for _, reports, widths in each if reports]
+        assert (len(shares), sum(shares), sum(share**2 for share in shares)) == (
+            row["vehicles"], row["share_sum"], row["share_squares"],
+        )  # fmt: skip
+        assert (len(means), sum(means), sum(mean**2 for mean in means)) == (
+            row["reporting"], row["mean_sum"], row["mean_squares"],
+        )  # fmt: skip
+    assert not there
+
+
 def test_the_digest_covers_what_a_shard_depends_on() -> None:
     """Seed, cycles, limit and size change all shards; more vehicles only the last one and those behind it; kept and remarks none."""
     base = digests(small())
