@@ -248,7 +248,7 @@ class Station(Work):
             elif "mode" in one and not watched:
                 self._clock.ended(vehicle, time.monotonic())
                 if parts.tracer is not None:
-                    parts.tracer.reported(vehicle, one["cycle"])
+                    parts.tracer.reported(vehicle, one["cycle"], one["time_ms"])
 
     def _put(self, origin: str, one: Output) -> None:
         outlet = self._parts.outlet

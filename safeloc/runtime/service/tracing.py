@@ -11,7 +11,7 @@ from safeloc.runtime.service.journal import Journal
 class Tracer:
     """Notes when lines of a vehicle come, and tells it when their cycle is reported.
 
-    journal   gets a line for each cycle, with its `id` (vehicle and cycle, as in the report); None: no lines
+    journal   gets a line for each cycle, with its `id` (vehicle, cycle and time, as in the report); None: no lines
     observe   gets the seconds from the first line to the report; None: nobody
     """
 
@@ -24,8 +24,11 @@ class Tracer:
         before = self._open.get(vehicle)
         self._open[vehicle] = (time.monotonic(), number, number) if before is None else (*before[:2], number)
 
-    def reported(self, vehicle: str, cycle: int) -> None:
-        """Note the report of a cycle. Cycles that no line brought (of a silence) take no time."""
+    def reported(self, vehicle: str, cycle: int, time_ms: int) -> None:
+        """Note the report of a cycle. Cycles that no line brought (of a silence) take no time.
+
+        A machine that begins anew counts its cycles from 1 again, while its time goes on: both together name the cycle.
+        """
         found = self._open.pop(vehicle, None)
         if found is None:
             return
@@ -34,4 +37,4 @@ class Tracer:
             self._observe(seconds)
         if self._journal is not None:
             ms = round(seconds * 1_000, 3)
-            self._journal.info("cycle", id=f"{vehicle}:{cycle}", first=found[1], last=found[2], ms=ms)
+            self._journal.info("cycle", id=f"{vehicle}:{cycle}@{time_ms}", first=found[1], last=found[2], ms=ms)

@@ -49,11 +49,11 @@ def test_a_cycle_is_logged_with_its_lines(tmp_path: Path) -> None:
         for number in (5, 6, 7):
             tracer.line("12", number)
         tracer.line("13", 1)
-        tracer.reported("12", 3)
-        tracer.reported("12", 4)
+        tracer.reported("12", 3, 4_200)
+        tracer.reported("12", 4, 4_300)
         os.fsync(file.fileno())
     (told,) = read((tmp_path / "log").read_bytes())
-    assert (told["event"], told["id"], told["first"], told["last"]) == ("cycle", "12:3", 5, 7)
+    assert (told["event"], told["id"], told["first"], told["last"]) == ("cycle", "12:3@4200", 5, 7)
     assert [told["ms"]] == [round(one * 1_000, 3) for one in observed]
 
 
@@ -73,4 +73,8 @@ def test_a_process_shows_and_logs(tmp_path: Path) -> None:
         assert found["safeloc_cycle_seconds_count"] == 5
         run.process.stdin.close()
         run.end()
-    assert [one["id"] for one in run.log if one["event"] == "cycle"] == [f"7:{cycle}" for cycle in range(1, 6)]
+        assert run.process.stdout is not None
+        reports = [one for one in read(run.process.stdout.read()) if "mode" in one]
+    told = [f"7:{one['cycle']}@{one['time_ms']}" for one in reports]
+    assert 5 == len(set(told))
+    assert [one["id"] for one in run.log if one["event"] == "cycle"] == told
