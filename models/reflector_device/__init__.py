@@ -3,6 +3,7 @@
     motion       the odometer that all machines share, and the true movement
     balise       judges every telegram by linking and expectation window
     line         no machine on board: the map's next reflector, and the law on its distance from a group
+    met          tells the direction which models the vehicle meets, of the radar's frame
     travel_direction  finds the direction of travel from the models of the reflectors before and after an accepted group
     reflector    anchored by what the balise machine accepted, with that machine's interval; measures reflectors from there
     turn_off     sees by the reflector behind a switch whether the vehicle turns off
@@ -29,6 +30,7 @@ position that it had, so that none comes back but from another group.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition, compose
@@ -37,6 +39,7 @@ from safeloc.language.machine import Machine
 from safeloc.models import balise, delocalized, reflector, stop_point, travel_direction, turn_off
 from safeloc.models.localizer.sources import law_of_motion
 from safeloc.models.motion import Motion
+from safeloc.models.reflector.variables import Parts as Heard
 from safeloc.models.reflector_anchor.line import Line, Switch
 from safeloc.models.reflector_device.anchored import Anchored, anchored, judged_by
 from safeloc.models.reflector_device.branches import (
@@ -47,6 +50,7 @@ from safeloc.models.reflector_device.branches import (
     why_not,
 )
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.reflector_device.met_models import Met, met
 from safeloc.models.reflector_device.radar import Radar, radar
 from safeloc.models.reflector_device.starts import Starts, starts
 from safeloc.models.route import Route
@@ -75,6 +79,7 @@ class ReflectorDevice:
     groups: balise.Balise
     line: Line
     switch: Switch
+    met: Met
     direction: TravelDirection
     source: reflector.ReflectorMachine
     course: TurnOff
@@ -90,7 +95,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     config = config or ReflectorDeviceConfig()
     located = anchored(config)
     moves, map_, source = located.motion, located.line, located.source
-    direction = travel_direction.build(travel_direction.parts())
+    meets, direction = met(config, source.own), travel_direction.build(travel_direction.parts())
     course = turn_off.build(turn_off.parts(config.turn_off))
     frame, ways, carried = radar(config, source.own), starts(config), branch(config, moves)
     behind = delocalized.parts(config.host)
@@ -99,7 +104,10 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     wires: dict[Var, Expr] = {
         **located.wires,
         direction.own.balise_read: located.accepted,
+        meets.turned: _turned(located.groups),
         direction.own.backwards: _turned(located.groups),
+        direction.own.passed_model: meets.passed_model,
+        direction.own.ahead_model: meets.ahead_model,
         source.own.contradicted: any_of([
             direction.machine.flag("contradicts"), located.disproved, contradicted_before(located, course, carried),
         ]),
@@ -112,12 +120,12 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     whole = compose(
         NAME,
         [
-            *located.before_the_reflectors, direction.machine, source.machine, course.machine, frame.machine, ways.machine,
+            *located.before_the_reflectors, meets.machine, direction.machine, source.machine, course.machine, frame.machine, ways.machine,
             carried.machine,
             restrictive, stop.machine,
         ],
         wires,
-        shared=moves.shared,
+        shared=[*moves.shared, *_radars_frame(source.own)],
         discharge=[
             *located.discharged,
             Clause(course.machine, GIVEN),
@@ -128,7 +136,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         ],
     )  # fmt: skip
     return ReflectorDevice(
-        config, whole, moves, located.groups, map_, located.switch, direction, source, course, frame, ways, carried, restrictive, stop
+        config, whole, moves, located.groups, map_, located.switch, meets, direction, source, course, frame, ways, carried, restrictive, stop
     )  # fmt: skip
 
 
@@ -136,6 +144,13 @@ def _turned(groups: balise.Balise) -> Bool:
     """Return whether the vehicle is measured behind the farthest place that it reached, or may have run unmeasured."""
     heading = groups.own.heading
     return heading.backwards | (heading.rolled > 0) | groups.machine.output("odometer").ne(ADMITTED)
+
+
+def _radars_frame(heard: Heard) -> Iterator[Var]:
+    """Yield the inputs that three machines hear of the radar's frame."""
+    yield heard.frame_present
+    for slot in heard.slots:
+        yield from (slot.range.value, slot.range.present, slot.error, slot.model, slot.intensity, slot.lateral)
 
 
 def _into_host(located: Anchored, course: TurnOff, carried: Route, behind: delocalized.Parts) -> dict[Var, Expr]:

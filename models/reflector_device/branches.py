@@ -47,7 +47,6 @@ def branch_wires(located: Anchored, frame: Radar, map_: Starts, course: TurnOff,
     return {
         **distance_of_motion(own.odometer.measured, own.odometer.more, located.motion),
         **_started(located, map_, carried),
-        **frame.wires(located.source.own),
         **_seen(frame, carried),
         own.course_taken: course.machine.output("course"),
         own.ghosts.course: course.own.true_course,

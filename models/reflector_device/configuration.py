@@ -70,6 +70,10 @@ class ReflectorDeviceConfig(AnchoredConfig):
         -1_000, "mm", -50_000, 50_000, "[D] as own_track_right_mm; those of a track 4 m away stand beyond, on either side"
     )  # fmt: skip
 
+    passing_range_mm: int = quantity(
+        30_000, "mm", 1, 300_000, "[D] a view zone ends 5 m before its reflector; with 4.5 m run in a cycle, and room for a few frames without it"
+    )  # fmt: skip
+
     @model_validator(mode="after")
     def _one_vehicle(self) -> ReflectorDeviceConfig:
         for name, config, figures in self._shared_figures():

@@ -1,36 +1,117 @@
-"""The models of reflectors that a simulated vehicle meets: those that it passes and sees ahead, and the map's neighbours of a group."""
+"""Models that the direction of travel hears of the radar's frame: that of the nearest reflector ahead, and of one as it is passed (RFL-D5).
+
+A reflector that was within `passing_range_mm` and is seen there no more is passed: the radar sees it no longer a few metres before the front end reaches it. One that is only
+hidden there for a frame is told as passed too early, and again as it is seen again; the order in which reflectors are met stays the same.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from safeloc.models.reflector.simulate import Reflector
-from safeloc.runtime.streams.steps import Cell
+from safeloc.language.declared import Declared
+from safeloc.language.expr import TRUE, Bool, BoolVar, Num, NumVar, all_of, any_of, boolean, choice, enumeration, ite
+from safeloc.language.machine import Machine, Transition, modes
+from safeloc.language.rows import Updates
+from safeloc.models.reflector.echo import Slot
+from safeloc.models.reflector.variables import Parts
+from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
+from safeloc.models.vocabulary.first_of import first_of
+from safeloc.models.vocabulary.reflectors import MODEL, NO_MODEL
 
-_SEEN_MM = 100_000
-"""A reflector is recognised from this distance on."""
+NAME = "met"
+REQUIREMENTS = ("RFL-D5",)
 
 
-def met_models(
-    reflectors: tuple[Reflector, ...], last_mm: int, here_mm: int, *, along: bool, read: bool
-) -> Iterator[tuple[str, Cell]]:
-    """Yield what the direction hears in a cycle: the reflectors passed and ahead, and the map's neighbours of a group that is read.
+@dataclass(frozen=True, eq=False)
+class Met:
+    """The machine; all models are NONE without a reflector.
 
-    last_mm, here_mm  the front end after the last cycle and after this one; places grow in the direction of travel
-    along             the line's counting direction is that of the run
-    read              a group is read in this cycle
+    turned        the vehicle turned, or may have: what was near counts no longer
+    passed_model  model of the reflector that was passed in this cycle
+    ahead_model   model of the nearest reflector in this cycle's frame
+    near_model    model of the reflector that was within `passing_range_mm` in the last frame
     """
-    behind = [one for one in reflectors if one.position_mm <= here_mm]
-    ahead = [one for one in reflectors if one.position_mm > here_mm]
-    passed = [one for one in behind if one.position_mm > last_mm]
-    near = [one for one in ahead if one.position_mm - here_mm <= _SEEN_MM]
-    sides = (behind[-1:], ahead[:1])
-    yield "passed_model", _model(passed[-1:])
-    yield "ahead_model", _model(near[:1])
-    for name, side in zip(("model_before", "model_after"), sides if along else sides[::-1], strict=True):
-        yield name, _model(side if read else [])
-    yield "next_runs_along", along
+
+    machine: Machine
+    turned: BoolVar
+    passed_model: NumVar
+    ahead_model: NumVar
+    near_model: NumVar
 
 
-def _model(reflectors: list[Reflector]) -> str:
-    return reflectors[0].model if reflectors else "NONE"
+def met(config: ReflectorDeviceConfig, heard: Parts) -> Met:
+    """Build the machine; frame and echoes are the reflector machine's own inputs."""
+    declared, table = Declared(), modes("LOOKING")
+    frame = Frame(config, declared.sensor(heard.frame_present), heard.slots)
+    for slot in heard.slots:
+        declared.sensor(slot.range)
+        declared.sensor(slot.model)
+        declared.sensor(slot.intensity)
+    turned = declared.sensor(boolean("turned"))
+    passed, ahead, near = (
+        declared.state(choice(f"{name}_model", enumeration(MODEL)), first=NO_MODEL)
+        for name in ("passed", "ahead", "near")
+    )
+    made = declared.machine(
+        name=NAME,
+        modes=table,
+        outputs={"passed_model": passed, "ahead_model": ahead},
+        transitions=[
+            Transition(name, table[0], table[0], guard, updates, REQUIREMENTS, rank)
+            for rank, (name, guard, updates) in enumerate(_table(frame, turned, passed, ahead, near))
+        ],
+        doc="The models of reflectors that the vehicle meets, of the radar's frame. Nothing is assumed here.",
+    )
+    return Met(made, turned, passed, ahead, near)
+
+
+def _table(
+    frame: Frame, turned: Bool, passed: NumVar, ahead: NumVar, near: NumVar
+) -> Iterator[tuple[str, Bool, Updates]]:
+    """Yield the transitions, the first that is possible fires."""
+    still_near: Updates = {near: ite(frame.near, frame.model, NO_MODEL), ahead: frame.model}
+    gone = near.ne(NO_MODEL) & ~frame.shows_near(near)
+    yield "vehicle turned", turned, {passed: NO_MODEL, near: NO_MODEL, ahead: frame.model}
+    yield "no frame", ~frame.present, {passed: NO_MODEL, ahead: NO_MODEL}
+    yield "reflector passed", gone, {passed: near, **still_near}
+    yield "reflector near", frame.near, {passed: NO_MODEL, **still_near}
+    yield "no reflector near", TRUE, {passed: NO_MODEL, **still_near}
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The nearest reflector in a frame.
+
+    model  the model that it shows; NONE without one
+    near   there is one, within `passing_range_mm`
+    """
+
+    config: ReflectorDeviceConfig
+    present: BoolVar
+    slots: tuple[Slot, ...]
+
+    @property
+    def model(self) -> Num:
+        return first_of(*((self._is_nearest(one), one.model) for one in self.slots), default=NO_MODEL)
+
+    @property
+    def near(self) -> Bool:
+        return any_of(self._is_near(one) for one in self.slots)
+
+    def shows_near(self, model: Num) -> Bool:
+        """Return whether a reflector of this model is near, be it the nearest or not."""
+        return any_of(self._is_near(one) & one.model.eq(model) for one in self.slots)
+
+    def _is_near(self, one: Slot) -> Bool:
+        return self._shows_reflector(one) & (one.range.value <= self.config.passing_range_mm)
+
+    def _is_nearest(self, one: Slot) -> Bool:
+        others = [other for other in self.slots if other is not one]
+        farther = [self._shows_reflector(other).implies(one.range.value <= other.range.value) for other in others]
+        return all_of([self._shows_reflector(one), *farther])
+
+    def _shows_reflector(self, one: Slot) -> Bool:
+        """Return whether the echo shows a reflector's model with the minimum intensity."""
+        strong = one.intensity >= self.config.reflector.minimum_intensity_cdb
+        return all_of([self.present, one.range.present, strong, one.model.ne(NO_MODEL)])

@@ -7,7 +7,7 @@ reflectors of the own line stand, and none of another track.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from safeloc.language.declared import Declared
 from safeloc.language.expr import (
@@ -18,8 +18,6 @@ from safeloc.language.expr import (
     Expr,
     Num,
     NumVar,
-    Optional,
-    Var,
     all_of,
     any_of,
     as_num,
@@ -44,30 +42,8 @@ REQUIREMENTS = ("RFL-D6", "RFL-10")
 
 
 @dataclass(frozen=True, eq=False)
-class Echo:
-    """One echo of the frame, as the reflector machine hears it."""
-
-    range: Optional
-    error: NumVar
-    model: NumVar
-    intensity: NumVar
-    lateral: NumVar
-
-    def wires(self, heard: Slot) -> dict[Var, Expr]:
-        """Return the wires from the reflector machine's echo."""
-        return {
-            self.range.value: heard.range.value,
-            self.range.present: heard.range.present,
-            self.error: heard.error,
-            self.model: heard.model,
-            self.intensity: heard.intensity,
-            self.lateral: heard.lateral,
-        }
-
-
-@dataclass(frozen=True, eq=False)
 class Radar:
-    """The machine, its inputs, and the sighting of the cycle.
+    """The machine, the echoes that it hears, and the sighting of the cycle.
 
     sighted  there is one
     range    distance from the front end to the sighted reflector, mm
@@ -77,28 +53,22 @@ class Radar:
     """
 
     machine: Machine
-    frame_present: BoolVar
-    echoes: tuple[Echo, ...]
+    echoes: tuple[Slot, ...]
     sighted: BoolVar
     range: NumVar
     error: NumVar
     model: NumVar
     by_own_track: BoolVar
 
-    def wires(self, heard: Parts) -> dict[Var, Expr]:
-        """Return the wires from the frame that the reflector machine hears."""
-        found: dict[Var, Expr] = {self.frame_present: heard.frame_present}
-        for one, slot in zip(self.echoes, heard.slots, strict=True):
-            found |= one.wires(slot)
-        return found
-
 
 def radar(config: ReflectorDeviceConfig, heard: Parts) -> Radar:
-    """Build the machine, with inputs as the reflector machine has them."""
+    """Build the machine; frame and echoes are the reflector machine's own inputs."""
     declared, table = Declared(), modes("LOOKING")
-    frame = _Frame(
-        config, declared.sensor(replace(heard.frame_present)), tuple(_echo(declared, one) for one in heard.slots)
-    )
+    frame = _Frame(config, declared.sensor(heard.frame_present), heard.slots)
+    for slot in heard.slots:
+        declared.sensor(slot.range)
+        for echo in (slot.error, slot.model, slot.intensity, slot.lateral):
+            declared.sensor(echo)
     sighted = declared.state(boolean("sighted"), first=False)
     away = declared.state(number("sighting_range_mm", MM, 0, config.reflector.range_limit_mm), first=0)
     error = declared.state(number("sighting_error_mm", MM, 0, MAX_ERROR_MM), first=0)
@@ -120,15 +90,7 @@ def radar(config: ReflectorDeviceConfig, heard: Parts) -> Radar:
         ],
         doc="The sighting of the cycle, of the radar's frame. Nothing is assumed here.",
     )
-    return Radar(made, frame.present, frame.echoes, sighted, away, error, model, by_own_track)
-
-
-def _echo(declared: Declared, heard: Slot) -> Echo:
-    range_ = declared.sensor(Optional(replace(heard.range.value), replace(heard.range.present)))
-    error, model, intensity, lateral = (
-        declared.sensor(replace(one)) for one in (heard.error, heard.model, heard.intensity, heard.lateral)
-    )
-    return Echo(range_, error, model, intensity, lateral)
+    return Radar(made, heard.slots, sighted, away, error, model, by_own_track)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +99,7 @@ class _Frame:
 
     config: ReflectorDeviceConfig
     present: BoolVar
-    echoes: tuple[Echo, ...]
+    echoes: tuple[Slot, ...]
 
     @property
     def sighted(self) -> Bool:
@@ -166,7 +128,7 @@ class _Frame:
         shown = [self._is_sighting(one) for one in self.echoes]
         return first_of(*zip(shown, values, strict=True), default=default)
 
-    def _is_sighting(self, one: Echo) -> Bool:
+    def _is_sighting(self, one: Slot) -> Bool:
         """Return whether the echo shows a model with the minimum intensity, from farther than the near range and the front end, with an error that can be told."""
         return all_of([
             self.present,
@@ -177,13 +139,13 @@ class _Frame:
             self._error(one) <= MAX_ERROR_MM,
         ])  # fmt: skip
 
-    def _is_by_own_track(self, one: Echo) -> Bool:
+    def _is_by_own_track(self, one: Slot) -> Bool:
         """Return whether the echo comes from where reflectors of the own track stand, and from near enough to tell."""
         right, left = self.config.own_track_right_mm, self.config.own_track_left_mm
         return between(right, one.lateral, left) & (one.range.value <= self.config.own_track_range_mm)
 
-    def _ahead(self, one: Echo) -> Num:
+    def _ahead(self, one: Slot) -> Num:
         return one.range.value - self.config.reflector.radar_offset_mm
 
-    def _error(self, one: Echo) -> Num:
+    def _error(self, one: Slot) -> Num:
         return one.error + self.config.sighting_error_mm

@@ -67,7 +67,7 @@ class RouteMap:
             answer |= {f"route_{one}_model": "NONE", f"route_{one}_course": course, f"route_{one}_other_in_view": False}
         echo = self._sighting(step)
         model = "NONE" if echo is None else str(step[f"{echo}_model"])
-        away = 0 if echo is None else int(step[f"{echo}_map_place_mm"]) - place
+        away = 0 if echo is None else int(step[f"reflector.{echo}_map_place_mm"]) - place
         for one in routes if echo else ():
             if model in self._routes.reflectors[one]:
                 there = self._routes.reflectors[one][model] - place
@@ -80,7 +80,7 @@ class RouteMap:
         figures = self._config.reflector
         least, near = figures.minimum_intensity_cdb, max(figures.near_range_mm, figures.radar_offset_mm)
         for number in range(1, figures.echo_slots + 1):
-            name = f"reflector.echo_{number}"
+            name = f"echo_{number}"
             strong = int(step.get(f"{name}_range_mm", -1)) >= near and int(step[f"{name}_intensity_cdb"]) >= least
             if strong and step[f"{name}_model"] != "NONE":
                 return name

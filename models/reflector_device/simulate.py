@@ -26,7 +26,7 @@ from safeloc.models.reflector.simulate import Scene as RadarScene
 from safeloc.models.reflector.step_inputs import completed
 from safeloc.models.reflector_device import NAME, compose_machines
 from safeloc.models.reflector_device.configuration import ReflectorDeviceConfig
-from safeloc.models.reflector_device.met_models import met_models
+from safeloc.models.reflector_device.map_neighbours import neighbours
 from safeloc.models.reflector_device.route_map import RouteMap, Routes, every_group_a_start
 from safeloc.models.stop_point.simulate import StopPlace, places, run_out_nm, speed_error
 from safeloc.models.turn_off import COURSE
@@ -40,6 +40,8 @@ Steps = list[dict[str, Cell]]
 FOLDER, SEED = Path(__file__).with_name("recordings"), 7
 _OF_THE_MAP = ("next_position_mm", "next_reference_mm")
 """Inputs of the reflector machine that are inputs of the line here."""
+_OF_THE_FRAME = ("frame_present", "echo_")
+"""Beginnings of the inputs of the radar's frame, which three machines hear."""
 _NOISE_MM = 100
 _OF_THE_VEHICLE = ("odometer_mm", "odometer_more_nm", "odometer_next_wander_nm", "true_cycle_distance_nm", "truth_mm")
 """Names of the balise machine's own steps that the vehicle gives here."""
@@ -275,12 +277,18 @@ class _Run:
         whole = {**self._radar.no_origins(), **completed(self._config.reflector, seen)}
         whole |= {"next_radar_bias_nm": self._radar.bias_mm(cycle) * NM_PER_MM}
         del whole["route_contradicted"]  # the route machine tells it
-        return {f"{'line' if name in _OF_THE_MAP else 'reflector'}.{name}": cell for name, cell in whole.items()}
+        return {self._named(name): cell for name, cell in whole.items()}
+
+    def _named(self, name: str) -> str:
+        """Return the name in the device of an input of the reflector machine: the map's and the frame's are not its own."""
+        if name in _OF_THE_MAP:
+            return f"line.{name}"
+        return name if name in self._known and name.startswith(_OF_THE_FRAME) else f"reflector.{name}"
 
     def _direction(self, cycle: int, *, read: bool) -> dict[str, Cell]:
-        """Return the models that the vehicle meets in a cycle, and the permitted direction."""
-        last, here = (int(self._motion.position_nm[max(at, 0)]) // NM_PER_MM for at in (cycle - 1, cycle))
-        seen = dict(met_models(self._scene.radar.route.reflectors, last, here, along=self._scene.along, read=read))
+        """Return the models beside a group that is read, and the permitted direction."""
+        here = int(self._motion.position_nm[cycle]) // NM_PER_MM
+        seen = dict(neighbours(self._scene.radar.route.reflectors, here, along=self._scene.along, read=read))
         return {f"travel_direction.{name}": cell for name, cell in {**seen, "route_direction": "ALONG"}.items()}
 
     def _switch(self, cycle: int, step: Mapping[str, Cell]) -> dict[str, Cell]:
@@ -296,7 +304,9 @@ class _Run:
         for name, origin in step.items():
             if name.endswith("_origin_nm") and origin == switch.reflector_mm * NM_PER_MM:
                 noise = int(self._rng.integers(-_NOISE_MM, _NOISE_MM + 1))
-                seen[name.replace("origin_nm", "lateral_mm")] = switch.lateral_mm + shift + noise
+                seen[name.removeprefix("reflector.").replace("origin_nm", "lateral_mm")] = (
+                    switch.lateral_mm + shift + noise
+                )
         return seen
 
     def _platform(self, cycle: int) -> dict[str, Cell]:

@@ -74,6 +74,7 @@ ENTRIES = (
             "motion",
             "balise",
             "line",
+            "met",
             "travel_direction",
             "reflector",
             "turn_off",

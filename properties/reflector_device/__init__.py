@@ -2,6 +2,7 @@
 
 host       what the host gets, and the words in which all claims are said
 located    what a telegram does to the reflector machine, the course at a switch, and the stop at a platform
+met        what the direction hears of the radar's frame
 direction  a wrong direction ends the position, and only a wrong one does
 route      the branch that is told is the true one, and a lost route ends the position
 """
@@ -10,11 +11,11 @@ from __future__ import annotations
 
 from safeloc.language.spec import Property
 from safeloc.models.reflector_device import ReflectorDevice
-from safeloc.properties.reflector_device import direction, located, route
+from safeloc.properties.reflector_device import direction, located, met, route
 
 __all__ = ["properties"]
 
 
 def properties(whole: ReflectorDevice) -> list[Property]:
     """Return the properties of the whole device."""
-    return [prop for part in (located, direction, route) for prop in part.properties(whole)]
+    return [prop for part in (located, met, direction, route) for prop in part.properties(whole)]

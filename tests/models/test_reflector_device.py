@@ -49,12 +49,14 @@ def test_only_the_laws_of_sensors_are_assumed() -> None:
     assert not {name for name in left if name.startswith(("reflector.balise", "delocalized.", "turn_off.position"))}
     assert not left & {"turn_off.reflector_measured", "turn_off.lateral_mm", "turn_off.switch_position_mm"}
     assert not left & {"travel_direction.balise_read", "travel_direction.backwards", "reflector.route_contradicted"}
-    assert {"travel_direction.passed_model", "travel_direction.ahead_model", "travel_direction.route_direction"} <= left
+    assert not left & {"travel_direction.passed_model", "travel_direction.ahead_model", "met.turned"}
+    assert not {name for name in left if name.startswith(("radar.", "met."))}
+    assert {"travel_direction.model_before", "travel_direction.model_after", "travel_direction.route_direction"} <= left
     assert not {name for name in left if name.startswith("stop_point.") and ("position" in name or "margin" in name)} - {
         "stop_point.stop_1_position_mm", "stop_point.stop_1_position_mm.present", "stop_point.stop_2_position_mm",
         "stop_point.stop_2_position_mm.present", "stop_point.reposition_permitted",
     }  # fmt: skip
-    assert {"balise.telegram_group", "line.next_position_mm", "reflector.echo_1_range_mm"} <= left
+    assert {"balise.telegram_group", "line.next_position_mm", "frame_present", "echo_1_range_mm"} <= left
 
 
 _OF_GROUPS = "balise: the interval holds the truth"

@@ -11,6 +11,7 @@ from safeloc.models import reflector_device
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.travel_direction.variables import UNKNOWN
 from safeloc.models.vocabulary.measured import ADMITTED
+from safeloc.models.vocabulary.reflectors import NO_MODEL
 from safeloc.properties.reflector_device import properties
 from tests.models.anchored_wires import always_a_reference, balise_for_the_host
 from tests.models.composed_devices import Runs, Wiring, Wrong, flag
@@ -57,6 +58,24 @@ def _never_unmeasured(whole: ReflectorDevice, _: Wires) -> Wires:
     return {whole.direction.own.backwards: heading.backwards | (heading.rolled > 0)}
 
 
+def _passed_is_ahead(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.direction.own.passed_model: whole.met.ahead_model}
+
+
+def _nothing_passed(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.direction.own.passed_model: NO_MODEL}
+
+
+def _ahead_is_near(whole: ReflectorDevice, _: Wires) -> Wires:
+    """Only a reflector within the passing range is one ahead."""
+    return {whole.direction.own.ahead_model: whole.met.near_model}
+
+
+def _first_ahead(whole: ReflectorDevice, _: Wires) -> Wires:
+    """The first echo of the frame, the strongest one, in place of the nearest."""
+    return {whole.direction.own.ahead_model: whole.source.own.slots[0].model}
+
+
 def _always_turning(whole: ReflectorDevice, _: Wires) -> Wires:
     """Then no direction is ever stated, and none is wrong."""
     return {whole.direction.own.backwards: TRUE}
@@ -73,6 +92,10 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the vehicle never turns": (_never_turned, "with a direction the vehicle runs on"),
     "the vehicle turns late": (_turned_late, "with a direction the vehicle runs on"),
     "unmeasured cycles count": (_never_unmeasured, "with a direction the vehicle runs on"),
+    "every reflector ahead is passed": (_passed_is_ahead, "no other reflector is passed"),
+    "no reflector is passed": (_nothing_passed, "a reflector that was near and is seen no more is passed"),
+    "a reflector ahead is near": (_ahead_is_near, "the direction hears the nearest reflector ahead"),
+    "the first echo is ahead": (_first_ahead, "the direction hears the nearest reflector ahead"),
     "the vehicle turns always": (_always_turning, "a vehicle turns only where it is measured to"),
     "every cycle a reference": (always_a_reference, "only a reference in the permitted direction ends a loss"),
     "the balise's interval for the host": (balise_for_the_host, "a contradicted direction withdraws the position"),
