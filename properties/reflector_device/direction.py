@@ -13,7 +13,6 @@ from safeloc.language.spec import Property, always, earlier_bool, reachable
 from safeloc.language.units import MS_PER_S, NM_PER_MM
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.travel_direction.variables import AGAINST, UNKNOWN
-from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.properties import travel_direction
 from safeloc.properties.reflector_device.host import LAW as SENSORS
 from safeloc.properties.reflector_device.host import (
@@ -26,6 +25,7 @@ from safeloc.properties.reflector_device.host import (
     of_source,
     only_a_reference,
     other_route,
+    runs_on,
     withdrawn,
 )
 from safeloc.properties.travel_direction import LAW as MODELS
@@ -96,18 +96,15 @@ def _turning(whole: ReflectorDevice) -> Iterator[Property]:
         into.bool(own.balise_read).iff(accepted(whole)),
         statement="a balise counts for the direction exactly in the cycles in which the balise machine accepted its group",
     )
-    heading, groups = whole.groups.own.heading, whole.composition.of(whole.groups.machine)
-    ahead = ~groups.bool(heading.backwards) & groups.num(heading.rolled).eq(0)
-    measured = groups.num(whole.groups.machine.output("odometer")).eq(ADMITTED)
     yield for_all_inputs(
         "a vehicle turns only where it is measured to",
-        into.bool(own.backwards).iff(~(ahead & measured)),
+        into.bool(own.backwards).iff(~runs_on(whole)),
         statement="the reflectors that were passed no longer count exactly in the cycles in which the vehicle is measured behind the farthest "
         "place that it reached, or no distance is measured",
     )
     yield for_all_inputs(
         "a vehicle that turned has no direction",
-        (~(ahead & measured)).implies(_stated(whole).eq(UNKNOWN)),
+        (~runs_on(whole)).implies(_stated(whole).eq(UNKNOWN)),
         statement="while the vehicle is measured behind the farthest place that it reached, and in a cycle without a measured distance, no "
         "direction is stated",
     )

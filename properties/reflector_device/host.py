@@ -13,6 +13,7 @@ from safeloc.language.machine import Machine
 from safeloc.language.spec import Property, always, earlier_bool
 from safeloc.language.units import NM
 from safeloc.models.reflector_device import ReflectorDevice
+from safeloc.models.vocabulary.measured import ADMITTED
 from safeloc.properties import delocalized
 from safeloc.properties.balise.step import LAW as GROUPS
 from safeloc.properties.hearing import INTERVAL, hears_interval
@@ -126,6 +127,13 @@ def of_source(whole: ReflectorDevice, output: str) -> Bool:
 def measured(whole: ReflectorDevice) -> Bool:
     """Return whether the reflector machine measures a reflector that it recognised."""
     return of_source(whole, "precise") & of_source(whole, "recognised")
+
+
+def runs_on(whole: ReflectorDevice) -> Bool:
+    """Return whether a distance is measured, and the vehicle is not measured behind the farthest place that it reached."""
+    heading, groups = whole.groups.own.heading, whole.composition.of(whole.groups.machine)
+    ahead = ~groups.bool(heading.backwards) & groups.num(heading.rolled).eq(0)
+    return ahead & groups.num(whole.groups.machine.output("odometer")).eq(ADMITTED)
 
 
 def astray(whole: ReflectorDevice) -> Bool:

@@ -9,6 +9,7 @@ from safeloc.language.expr import Bool, Num, NumVar, all_of, any_of, before
 from safeloc.language.spec import Property, always, reachable
 from safeloc.models.reflector_device import ReflectorDevice
 from safeloc.models.vocabulary.reflectors import NO_MODEL
+from safeloc.properties.reflector_device.host import runs_on
 
 REQUIREMENTS = ("RFL-D5",)
 for_all_inputs = partial(always, requirements=REQUIREMENTS, unconditional=True)
@@ -105,7 +106,8 @@ def _near_model(whole: ReflectorDevice) -> NumVar:
 
 
 def _turned(whole: ReflectorDevice) -> Bool:
-    return whole.composition.of(whole.met.machine).bool(whole.met.turned)
+    """Return whether the vehicle turned, or may have."""
+    return ~runs_on(whole)
 
 
 def _frame(whole: ReflectorDevice) -> Bool:

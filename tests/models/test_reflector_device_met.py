@@ -40,7 +40,7 @@ EDITS: Mapping[str, tuple[str, Callable[..., Bool], str]] = {
     "weak echoes are heard": (
         "_shows_reflector", lambda frame, _, one: all_of([frame.present, one.range.present, one.model.ne(NO_MODEL)]), NOTHING_ELSE),
     "echoes without a frame are heard": (
-        "_shows_reflector", lambda frame, _, one: all_of([one.range.present, _strong(frame, one), one.model.ne(NO_MODEL)]), STAYS),
+        "_shows_reflector", lambda frame, _, one: all_of([one.range.present, _strong(frame, one), one.model.ne(NO_MODEL)]), NOTHING_ELSE),
     "the first echo is the nearest": ("_is_nearest", lambda frame, _, one: frame._shows_reflector(one), AHEAD),
     "every reflector in view is near": ("_is_near", lambda frame, _, one: frame._shows_reflector(one), NEAR),
     "the passing range is 1 mm less": (
