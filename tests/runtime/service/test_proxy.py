@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.free_port import free_port
 from tests.runtime.service.processes import PATIENCE_S, ROOT, Data, Running, numbered, reports, running, wait_for
 
 DOCS = ROOT / "docs" / "hosting.md"
@@ -62,13 +63,6 @@ def ours(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def theirs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Somebody else's authority, which has a vehicle 12 too."""
     return authority(tmp_path_factory.mktemp("ca") / "theirs", "12", "99")
-
-
-def free_port() -> int:
-    """One that nobody listens on now."""
-    with socket.socket() as made:
-        made.bind(("127.0.0.1", 0))
-        return int(made.getsockname()[1])
 
 
 @dataclass

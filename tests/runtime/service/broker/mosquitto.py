@@ -20,6 +20,7 @@ from paho.mqtt import client as mqtt
 
 from safeloc.runtime.service.broker.leases import read_lease
 from safeloc.runtime.service.broker.topics import Topics, partition_of
+from tests.free_port import free_port
 from tests.runtime.service.processes import PATIENCE_S, Data, wait_for
 
 PROGRAM = shutil.which("mosquitto") or shutil.which("mosquitto", path="/usr/sbin:/usr/local/sbin")
@@ -37,13 +38,6 @@ max_queued_messages 0
 message_size_limit 1000000
 set_tcp_nodelay true
 """
-
-
-def free_port() -> int:
-    """A port that nobody listens on."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 class Broker:

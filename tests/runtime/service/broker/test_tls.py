@@ -22,12 +22,12 @@ from safeloc.errors import InputError
 from safeloc.runtime.service.broker.connection import Connection
 from safeloc.runtime.service.broker.settings import read_broker
 from safeloc.runtime.service.broker.topics import partition_of
+from tests.free_port import free_port
 from tests.runtime.service.broker.mosquitto import (
     PLAIN,
     Broker,
     broker,
     broker_file,
-    free_port,
     messages,
     needs_mosquitto,
 )
