@@ -34,8 +34,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from safeloc.language.composition import Clause, Composition, compose
-from safeloc.language.expr import Bool, Expr, Var, any_of
+from safeloc.language.expr import Bool, Expr, Var, any_of, as_num, ite
 from safeloc.language.machine import Machine
+from safeloc.language.units import MM
 from safeloc.models import balise, delocalized, reflector, stop_point, travel_direction, turn_off
 from safeloc.models.localizer.sources import law_of_motion
 from safeloc.models.motion import Motion
@@ -95,7 +96,9 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
     config = config or ReflectorDeviceConfig()
     located = anchored(config)
     moves, map_, source = located.motion, located.line, located.source
-    meets, direction = met(config, source.own), travel_direction.build(travel_direction.parts())
+    measured = located.groups.own.odometer.measured
+    meets = met(config, source.own, measured.value)
+    direction = travel_direction.build(travel_direction.parts())
     course = turn_off.build(turn_off.parts(config.turn_off))
     frame, ways, carried = radar(config, source.own), starts(config), branch(config, moves)
     behind = delocalized.parts(config.host)
@@ -105,6 +108,7 @@ def compose_machines(config: ReflectorDeviceConfig | None = None) -> ReflectorDe
         **located.wires,
         direction.own.balise_read: located.accepted,
         meets.turned: _turned(located.groups),
+        meets.run: ite(measured.present, measured.value, as_num(0, MM)),
         direction.own.backwards: _turned(located.groups),
         direction.own.passed_model: meets.passed_model,
         direction.own.ahead_model: meets.ahead_model,

@@ -71,7 +71,7 @@ class ReflectorDeviceConfig(AnchoredConfig):
     )  # fmt: skip
 
     passing_range_mm: int = quantity(
-        30_000, "mm", 1, 300_000, "[D] a view zone ends 5 m before its reflector; with 4.5 m run in a cycle, and room for a few frames without it"
+        30_000, "mm", 1, 300_000, "[D] a view zone ends 5 m before its reflector, and 4.5 m are run in a cycle; the rest is spare"
     )  # fmt: skip
 
     @model_validator(mode="after")
@@ -106,6 +106,17 @@ class ReflectorDeviceConfig(AnchoredConfig):
             raise ValueError(
                 f"route.range_limit_mm {own.range_limit_mm} is below reflector.range_limit_mm {self.reflector.range_limit_mm}: "
                 "an echo from farther away would be no sighting; raise it."
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _seen_before_it_is_passed(self) -> ReflectorDeviceConfig:
+        own, cycle_mm = self.reflector, -(-self.reflector.max_speed_mm_s * self.reflector.period_ms // 1_000)
+        least, most = own.near_range_mm + cycle_mm, own.range_limit_mm - own.radar_offset_mm
+        if not least <= self.passing_range_mm < most:
+            raise ValueError(
+                f"passing_range_mm {self.passing_range_mm} must be at least {least} (reflector.near_range_mm and the run of a cycle, or a "
+                f"reflector is passed unseen) and less than {most} (reflector.range_limit_mm ahead of the front end); change it."
             )
         return self
 

@@ -8,18 +8,15 @@ from safeloc.models.reflector.simulate import Reflector
 from safeloc.runtime.streams.steps import Cell
 
 
-def neighbours(
-    reflectors: tuple[Reflector, ...], here_mm: int, *, along: bool, read: bool
-) -> Iterator[tuple[str, Cell]]:
+def neighbours(reflectors: tuple[Reflector, ...], group_mm: int | None, *, along: bool) -> Iterator[tuple[str, Cell]]:
     """Yield what the map tells the direction in a cycle: the models before and after a group that is read; and the true direction.
 
-    here_mm  the front end; places grow in the direction of travel
-    along    the line's counting direction is that of the run
-    read     a group is read in this cycle
+    group_mm  place of the group; None: none is read. Places grow in the direction of travel
+    along     the line's counting direction is that of the run
     """
-    behind = [one.model for one in reflectors if one.position_mm <= here_mm]
-    ahead = [one.model for one in reflectors if one.position_mm > here_mm]
-    sides = (behind[-1:], ahead[:1])
-    for name, side in zip(("model_before", "model_after"), sides if along else sides[::-1], strict=True):
-        yield name, side[0] if read and side else "NONE"
+    before = [one.model for one in reflectors if group_mm is not None and one.position_mm <= group_mm]
+    after = [one.model for one in reflectors if group_mm is not None and one.position_mm > group_mm]
+    sides = (before[-1:], after[:1]) if along else (after[:1], before[-1:])
+    for name, side in zip(("model_before", "model_after"), sides, strict=True):
+        yield name, side[0] if side else "NONE"
     yield "next_runs_along", along

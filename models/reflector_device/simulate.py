@@ -237,10 +237,10 @@ class _Run:
         return [self._step(cycle, read) for cycle, read in enumerate(groups)]
 
     def _step(self, cycle: int, read: Mapping[str, Cell]) -> dict[str, Cell]:
+        group = int(read.get("telegram_group", 0))
         own = {f"balise.{name}": cell for name, cell in read.items() if name not in _OF_THE_VEHICLE}
         step = {**self._vehicle(cycle), **own, **self._reflectors(cycle, read), **self._platform(cycle)}
-        step |= self._switch(cycle, step) | self._direction(cycle, read="telegram_group" in read)
-        group = int(read.get("telegram_group", 0))
+        step |= self._switch(cycle, step) | self._direction(group)
         step |= self._ways.started(group)
         if group:
             self._ways.begin(group, self._after(step | self._ways.seen(step)))
@@ -285,10 +285,9 @@ class _Run:
             return f"line.{name}"
         return name if name in self._known and name.startswith(_OF_THE_FRAME) else f"reflector.{name}"
 
-    def _direction(self, cycle: int, *, read: bool) -> dict[str, Cell]:
-        """Return the models beside a group that is read, and the permitted direction."""
-        here = int(self._motion.position_nm[cycle]) // NM_PER_MM
-        seen = dict(neighbours(self._scene.radar.route.reflectors, here, along=self._scene.along, read=read))
+    def _direction(self, group: int) -> dict[str, Cell]:
+        """Return the models beside a group that is read (0: none), and the permitted direction."""
+        seen = dict(neighbours(self._scene.radar.route.reflectors, self._places.get(group), along=self._scene.along))
         return {f"travel_direction.{name}": cell for name, cell in {**seen, "route_direction": "ALONG"}.items()}
 
     def _switch(self, cycle: int, step: Mapping[str, Cell]) -> dict[str, Cell]:

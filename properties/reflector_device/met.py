@@ -46,16 +46,20 @@ def _ahead(whole: ReflectorDevice) -> Iterator[Property]:
 
 def _passed(whole: ReflectorDevice) -> Iterator[Property]:
     heard, was_near = _into_direction(whole, "passed_model"), before(_near_model(whole))
-    turned, frame = _turned(whole), _frame(whole)
+    over = any_of(
+        [was_near.eq(NO_MODEL), ~runs_on(whole), _run(whole) < before(_remaining(whole)), _still_near(whole, was_near)]
+    )
     yield for_all_inputs(
-        "a reflector that was near and is seen no more is passed",
-        any_of([turned, ~frame, was_near.eq(NO_MODEL), _still_near(whole, was_near), heard.eq(was_near)]),
-        statement="where the last frame showed a reflector within the passing range, and this one shows none there, the direction hears that it is passed",
+        "a reflector is passed where its distance is run",
+        over | heard.eq(was_near),
+        statement="where the run measured since a reflector was seen near is the distance from the balise antenna to it, and the frame does not show it "
+        "near, the direction hears that it is passed",
     )
     yield for_all_inputs(
         "no other reflector is passed",
-        heard.eq(NO_MODEL) | all_of([heard.eq(was_near), frame, ~turned, ~_still_near(whole, was_near)]),
-        statement="the direction hears of no passed reflector but one that was near and is not in this cycle's frame, in which the vehicle did not turn",
+        heard.eq(NO_MODEL) | (heard.eq(was_near) & ~over),
+        statement="the direction hears of no passed reflector before the run measured since it was seen near is its distance from the antenna, nor while "
+        "the frame shows it near, nor in a cycle in which the vehicle may have turned",
     )
     yield reachable(
         "a reflector is passed",
@@ -66,28 +70,34 @@ def _passed(whole: ReflectorDevice) -> Iterator[Property]:
 
 
 def _near(whole: ReflectorDevice) -> Iterator[Property]:
-    near, told = _near_model(whole), range(len(whole.source.own.slots))
-    within = [~_no_reflector(whole, one) & (_range(whole, one) <= whole.config.passing_range_mm) for one in told]
+    near, was_near = _near_model(whole), before(_near_model(whole))
+    passes, told = _into_direction(whole, "passed_model").ne(NO_MODEL), range(len(whole.source.own.slots))
+    first = any_of([was_near.eq(NO_MODEL), passes])
     yield for_all_inputs(
-        "near is what the last frame showed near",
+        "the nearest reflector is measured as it comes near",
+        all_of(
+            any_of([
+                ~runs_on(whole), ~_within(whole, one), _nearer_beside(whole, one), ~(first | was_near.eq(_model(whole, one))),
+                near.eq(_model(whole, one)) & _remaining(whole).eq(_range(whole, one) + _behind_mm(whole)), _tied(whole, one),
+            ])
+            for one in told
+        ),
+        statement="where the nearest reflector of the frame is near, and no other one comes before it, it is the one that comes next, at the measured distance",
+    )  # fmt: skip
+    unseen = all_of(~(_within(whole, one) & (first | was_near.eq(_model(whole, one)))) for one in told)
+    left = before(_remaining(whole)) - _run(whole)
+    yield for_all_inputs(
+        "a reflector that is near is carried on by the odometer",
         any_of([
-            _turned(whole),
-            ~_frame(whole),
-            any_of(shown & near.eq(_model(whole, one)) for one, shown in zip(told, within, strict=True)),
-            ~any_of(within) & near.eq(NO_MODEL),
+            ~runs_on(whole), first, ~unseen,
+            near.eq(was_near) & (_remaining(whole).eq(left) | (_remaining(whole).eq(0) & (left < 0)) | (left > _farthest_mm(whole))),
         ]),
-        statement="after each frame a reflector is near exactly if the frame shows one within the passing range, and it is of that model",
+        statement="a reflector that comes next, and is not seen, stays the next one, and its distance is less by the measured run",
     )  # fmt: skip
     yield for_all_inputs(
-        "without a frame what was near stays, and turning forgets it",
-        any_of(
-            [
-                _frame(whole) & ~_turned(whole),
-                near.eq(before(near)) & ~_turned(whole),
-                _turned(whole) & near.eq(NO_MODEL),
-            ]
-        ),
-        statement="a cycle without a frame changes nothing of what is near; in a cycle in which the vehicle turned nothing is",
+        "without a reflector near nothing comes next",
+        any_of([near.eq(NO_MODEL), ~first, ~unseen]) & (runs_on(whole) | near.eq(NO_MODEL)),
+        statement="nothing comes next where nothing did, or what did is passed, and the frame shows nothing near; nor in a cycle in which the vehicle may have turned",
     )
 
 
@@ -105,13 +115,24 @@ def _near_model(whole: ReflectorDevice) -> NumVar:
     return found
 
 
-def _turned(whole: ReflectorDevice) -> Bool:
-    """Return whether the vehicle turned, or may have."""
-    return ~runs_on(whole)
+def _remaining(whole: ReflectorDevice) -> NumVar:
+    found = whole.composition.of(whole.met.machine).num(whole.met.remaining)
+    assert isinstance(found, NumVar)
+    return found
 
 
-def _frame(whole: ReflectorDevice) -> Bool:
-    return whole.source.own.frame_present
+def _run(whole: ReflectorDevice) -> Num:
+    """Return the distance that the balise machine hears; it is measured wherever the vehicle runs on."""
+    return whole.composition.of(whole.groups.machine).num(whole.groups.own.odometer.measured.value)
+
+
+def _behind_mm(whole: ReflectorDevice) -> int:
+    """Return how far the balise antenna is behind the radar."""
+    return whole.config.balise.antenna_mm - whole.config.reflector.radar_offset_mm
+
+
+def _farthest_mm(whole: ReflectorDevice) -> int:
+    return whole.config.passing_range_mm + whole.config.balise.antenna_mm
 
 
 def _model(whole: ReflectorDevice, slot: int) -> Num:
@@ -123,9 +144,17 @@ def _range(whole: ReflectorDevice, slot: int) -> Num:
 
 
 def _no_reflector(whole: ReflectorDevice, slot: int) -> Bool:
-    """Return whether this echo is none, too weak, or shows no model."""
-    one, least = whole.source.own.slots[slot], whole.config.reflector.minimum_intensity_cdb
-    return any_of([one.model.eq(NO_MODEL), one.intensity < least, ~one.range.present, ~whole.source.own.frame_present])
+    """Return whether this echo is none, too weak, shows no model, or is not beyond near range and front end."""
+    one, figures = whole.source.own.slots[slot], whole.config.reflector
+    near = (one.range.value < figures.near_range_mm) | (one.range.value < figures.radar_offset_mm)
+    weak = one.intensity < figures.minimum_intensity_cdb
+    return any_of([near, one.model.eq(NO_MODEL), weak, ~one.range.present, ~whole.source.own.frame_present])
+
+
+def _within(whole: ReflectorDevice, slot: int) -> Bool:
+    """Return whether this echo is of a reflector within the passing range of the front end."""
+    limit_mm = whole.config.passing_range_mm
+    return ~_no_reflector(whole, slot) & (_range(whole, slot) - whole.config.reflector.radar_offset_mm <= limit_mm)
 
 
 def _nearer_beside(whole: ReflectorDevice, slot: int) -> Bool:
@@ -146,16 +175,13 @@ def _as_near(whole: ReflectorDevice, slot: int) -> Bool:
     )
 
 
+def _tied(whole: ReflectorDevice, slot: int) -> Bool:
+    """Return whether another echo of a reflector is just as near: then either may count as the nearest."""
+    others = [other for other in range(len(whole.source.own.slots)) if other != slot]
+    return any_of(~_no_reflector(whole, other) & _range(whole, other).eq(_range(whole, slot)) for other in others)
+
+
 def _still_near(whole: ReflectorDevice, model: Num) -> Bool:
     """Return whether an echo within the passing range shows this model."""
     shown = range(len(whole.source.own.slots))
-    return any_of(
-        all_of(
-            [
-                ~_no_reflector(whole, one),
-                _range(whole, one) <= whole.config.passing_range_mm,
-                _model(whole, one).eq(model),
-            ]
-        )
-        for one in shown
-    )
+    return any_of(_within(whole, one) & _model(whole, one).eq(model) for one in shown)

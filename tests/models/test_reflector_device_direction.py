@@ -76,6 +76,15 @@ def _first_ahead(whole: ReflectorDevice, _: Wires) -> Wires:
     return {whole.direction.own.ahead_model: whole.source.own.slots[0].model}
 
 
+def _near_forgotten(whole: ReflectorDevice, right: Wires) -> Wires:
+    """A group that is read has no reflector before it."""
+    return {whole.met.turned: flag(right[whole.met.turned]) | whole.groups.own.read.group.present}
+
+
+def _near_never_forgotten(whole: ReflectorDevice, _: Wires) -> Wires:
+    return {whole.met.turned: FALSE}
+
+
 def _always_turning(whole: ReflectorDevice, _: Wires) -> Wires:
     """Then no direction is ever stated, and none is wrong."""
     return {whole.direction.own.backwards: TRUE}
@@ -93,9 +102,14 @@ WRONG: Mapping[str, tuple[Wrong, str]] = {
     "the vehicle turns late": (_turned_late, "with a direction the vehicle runs on"),
     "unmeasured cycles count": (_never_unmeasured, "with a direction the vehicle runs on"),
     "every reflector ahead is passed": (_passed_is_ahead, "no other reflector is passed"),
-    "no reflector is passed": (_nothing_passed, "a reflector that was near and is seen no more is passed"),
+    "no reflector is passed": (_nothing_passed, "a reflector is passed where its distance is run"),
     "a reflector ahead is near": (_ahead_is_near, "the direction hears the nearest reflector ahead"),
     "the first echo is ahead": (_first_ahead, "the direction hears the nearest reflector ahead"),
+    "what was near is forgotten at each group": (
+        _near_forgotten,
+        "a reflector that is near is carried on by the odometer",
+    ),
+    "what was near is never forgotten": (_near_never_forgotten, "without a reflector near nothing comes next"),
     "the vehicle turns always": (_always_turning, "a vehicle turns only where it is measured to"),
     "every cycle a reference": (always_a_reference, "only a reference in the permitted direction ends a loss"),
     "the balise's interval for the host": (balise_for_the_host, "a contradicted direction withdraws the position"),

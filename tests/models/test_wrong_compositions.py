@@ -547,10 +547,11 @@ WRONG: tuple[tuple[str, Wrong, str], ...] = (
     (
         "reflector_device",
         cut("travel_direction.passed_model"),
-        "a reflector that was near and is seen no more is passed",
+        "a reflector is passed where its distance is run",
     ),
     ("reflector_device", cut("travel_direction.ahead_model"), "the direction hears the nearest reflector ahead"),
-    ("reflector_device", cut("met.turned"), "without a frame what was near stays, and turning forgets it"),
+    ("reflector_device", cut("met.run_mm"), "a reflector that is near is carried on by the odometer"),
+    ("reflector_device", cut("met.turned"), "without a reflector near nothing comes next"),
     ("reflector_device", _precise_reference, "only a reference in the permitted direction ends a loss"),
     ("reflector_device", cut("reflector.route_contradicted"), "a lost route withdraws the position"),
     ("reflector_device", _told_is_carried, "the host gets every position that is reported"),

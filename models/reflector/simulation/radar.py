@@ -170,11 +170,10 @@ class Radars:
         share = self._config.frame_latency_ms / self._config.period_ms * between(self._draws, "latency", which, 0, 0.8)
         at_frame = at.ends_nm[which] - (at.distance_nm.ravel()[which] * share).astype(np.int64)
         others = [self._ahead_mm(ends, at, which, at_frame) for ends in self._others_mm]
+        for range_mm in (ahead_mm + self._config.radar_offset_mm for ahead_mm in others):
+            met = range_mm < min(self._config.strong_range_mm, self._config.range_limit_mm)
+            _add_thing(frames, which[met], range_mm[met], MODELS.index(NOWHERE), -4_000)
         self._reflected(frames, at, which, at_frame, np.min(others, axis=0, initial=_NOBODY_MM))
-        for ahead_mm in others:
-            met = ahead_mm < self._config.strong_range_mm
-            range_mm = ahead_mm[met] + self._config.radar_offset_mm
-            _add_thing(frames, which[met], range_mm, MODELS.index(NOWHERE), -4_000)
         if self._disturbed.have("decoy"):
             self._decoys(frames, at, paused)
         self._clutter(frames, which, at_frame)
