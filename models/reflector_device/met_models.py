@@ -116,7 +116,7 @@ class Carried:
 
     @property
     def left(self) -> Num:
-        """What is left to run, within its range."""
+        """The distance that is left to run, within its range."""
         return minimum(maximum(self.due, as_num(0, MM)), as_num(self.frame.farthest_mm, MM))
 
     @property
