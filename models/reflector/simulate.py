@@ -63,6 +63,10 @@ def simulate(
         motion = move(vehicle, legs or [Leg(20_000, 45), Leg(0, 25)], config.period_ms)
     sensors.KINDS.require(scene.sensor_faults, places=["wheel"], length=len(motion.position_nm))
     KINDS.require(scene.disturbances, places=[""], length=len(motion.position_nm))
+    if any(len(one.ends_mm) != len(motion.position_nm) for one in scene.others):
+        raise ValueError(
+            f"another vehicle needs a place for each cycle of the run, {len(motion.position_nm)}; give `ends_mm` so many."
+        )
     odometer = measured or measure(
         "wheel", motion, config.odometer, rng, dropout=scene.dropout, faults=scene.sensor_faults
     )

@@ -94,11 +94,10 @@ def _table(carried: Carried, turned: Bool, passed: NumVar, remaining: NumVar) ->
     """Yield the transitions; the first that is possible fires."""
     frame, near = carried.frame, carried.near
     nothing: Updates = {near: NO_MODEL, remaining: as_num(0, MM)}
-    measured: Updates = {near: frame.near_model, remaining: frame.away}
-    next_one: Updates = {near: frame.near_model, remaining: ite(frame.near, frame.away, as_num(0, MM))}
+    shown: Updates = {near: frame.near_model, remaining: frame.away}
     yield "vehicle turned", turned, {passed: NO_MODEL, **nothing}
-    yield "reflector passed", carried.passed, {passed: near, **next_one}
-    yield "reflector measured", carried.measured, {passed: NO_MODEL, **measured}
+    yield "reflector passed", carried.passed, {passed: near, **shown}
+    yield "reflector measured", carried.measured, {passed: NO_MODEL, **shown}
     yield "reflector carried on", near.ne(NO_MODEL), {passed: NO_MODEL, remaining: carried.left}
     yield "no reflector near", TRUE, {passed: NO_MODEL, **nothing}
 
@@ -137,7 +136,7 @@ class Frame:
     model       the model that it shows; NONE without one
     near        there is one, within `passing_range_mm` of the front end
     near_model  its model, NONE where it is not near
-    away        its distance from the balise antenna, mm; only while it is near
+    away        its distance from the balise antenna, mm; 0 where it is not near
     """
 
     config: ReflectorDeviceConfig
@@ -164,7 +163,7 @@ class Frame:
     @property
     def away(self) -> Num:
         behind = self.config.balise.antenna_mm - self.config.reflector.radar_offset_mm
-        nearest = [(self._is_nearest(one), one.range.value + behind) for one in self.slots]
+        nearest = [(self._is_nearest(one) & self._is_near(one), one.range.value + behind) for one in self.slots]
         return first_of(*nearest, default=as_num(0, MM))
 
     def shows_near(self, model: Num) -> Bool:

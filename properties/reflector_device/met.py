@@ -85,14 +85,14 @@ def _near(whole: ReflectorDevice) -> Iterator[Property]:
         statement="where the nearest reflector of the frame is near, and no other one comes before it, it is the one that comes next, at the measured distance",
     )  # fmt: skip
     unseen = all_of(~(_within(whole, one) & (first | was_near.eq(_model(whole, one)))) for one in told)
-    left = before(_remaining(whole)) - _run(whole)
+    left, most = before(_remaining(whole)) - _run(whole), whole.config.passing_range_mm + whole.config.balise.antenna_mm
     yield for_all_inputs(
         "a reflector that is near is carried on by the odometer",
         any_of([
             ~runs_on(whole), first, ~unseen,
-            near.eq(was_near) & (_remaining(whole).eq(left) | (_remaining(whole).eq(0) & (left < 0)) | (left > _farthest_mm(whole))),
+            near.eq(was_near) & any_of([_remaining(whole).eq(left), _remaining(whole).eq(0) & (left < 0), _remaining(whole).eq(most) & (left > most)]),
         ]),
-        statement="a reflector that comes next, and is not seen, stays the next one, and its distance is less by the measured run",
+        statement="a reflector that comes next, and is not seen, stays the next one, and its distance is less by the measured run, but no less than 0 and no more than the farthest at which one is near",
     )  # fmt: skip
     yield for_all_inputs(
         "without a reflector near nothing comes next",
@@ -129,10 +129,6 @@ def _run(whole: ReflectorDevice) -> Num:
 def _behind_mm(whole: ReflectorDevice) -> int:
     """Return how far the balise antenna is behind the radar."""
     return whole.config.balise.antenna_mm - whole.config.reflector.radar_offset_mm
-
-
-def _farthest_mm(whole: ReflectorDevice) -> int:
-    return whole.config.passing_range_mm + whole.config.balise.antenna_mm
 
 
 def _model(whole: ReflectorDevice, slot: int) -> Num:

@@ -332,18 +332,15 @@ class Results:
         if not trials or self._tilted(stratum):
             return []
 
-        def ranked(rank: int | None) -> int | None:
-            if rank is None:
-                return None
-            return (
-                int(self._one(f"select least_margin_nm {rows} order by least_margin_nm limit 1 offset {rank - 1}"))
-                // NM_PER_MM
-            )
+        def at(rank: int) -> int:
+            found = self._one(f"select least_margin_nm {rows} order by least_margin_nm limit 1 offset {rank - 1}")
+            return int(found) // NM_PER_MM
 
-        made = [Spread(ranked(1) or 0, None, None)]
+        made = [Spread(at(1), None, None)]
         for share in (0.01, 0.1, 0.5):
             ranks = quantile_ranks(share, trials, self._confidence)
-            made.append(Spread(ranked(ranks.at) or 0, ranked(ranks.low), ranked(ranks.high)))
+            low, high = (None if rank is None else at(rank) for rank in (ranks.low, ranks.high))
+            made.append(Spread(at(ranks.at), low, high))
         return made
 
     def times(self, stratum: Stratum, column: str) -> list[tuple[int, int]]:

@@ -100,10 +100,10 @@ def width_along_line(stretches: Mapping[str, Sequence[Stretch]], step_mm: int, c
         stroke_swatch("#222", "greatest seen", "5 3"),
     ]
     drawn, y = legend(keys, up.begin + 62)
-    beyond = f"{-math.log(1 - confidence):.1f} / (vehicles that reported there)"
+    beyond = f"{-math.log(1 - confidence):.1f} / (their number in the run)"
     says = (
         f"shaded: the mean at {confidence * 100:g} %, for each stretch by itself (empirical Bernstein; of widths up to twice the tolerance)",
-        f"broken line: of all vehicles fewer than {beyond} are wider, at {confidence * 100:g} %",
+        f"broken line: of vehicles that report there fewer than {beyond} are wider, at {confidence * 100:g} %",
     )
     return picture([*made, drawn, *_words_below(says, y)], y + 36, title)
 
@@ -173,7 +173,7 @@ def margins_of_situations(margins: Mapping[str, Sequence[Spread]], confidence: f
     says = (
         "dots: the least margin, and 1 %, 10 % and half of the vehicles below; left of the broken line the interval misses the truth",
         f"shaded: each of these three at {confidence * 100:g} % (order statistics), to the picture's edge where so few vehicles do not bound it",
-        f"least: of all vehicles fewer than {-math.log(1 - confidence):.1f} / (vehicles that reported) have a smaller one, at {confidence * 100:g} %",
+        f"least: of vehicles that report fewer than {-math.log(1 - confidence):.1f} / (their number in the run) have a smaller one, at {confidence * 100:g} %",
     )
     return picture([*made, *_words_below(says, bottom + 48)], bottom + 96, title)
 

@@ -99,6 +99,13 @@ def test_one_vehicle_hides_a_reflector(scene: str) -> None:
     assert reflectors_seen(alone) - reflectors_seen(heard) > 20
 
 
+def test_a_vehicle_without_a_place_in_each_cycle_is_refused() -> None:
+    """Else its last place would count on, or an index would be out of range."""
+    cycles = len(motion().position_nm)
+    with pytest.raises(ValueError, match=f"needs a place for each cycle of the run, {cycles};"):
+        simulate(CONFIG, seed=0, scene=replace(ALONE, others=(OtherVehicle((0,)),)), motion=motion())
+
+
 @pytest.mark.thorough
 def test_a_machine_that_takes_it_for_a_reflector_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """An echo without a model is taken for the reflector that is searched: a claim fails in this very run."""

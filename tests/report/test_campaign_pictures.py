@@ -74,7 +74,7 @@ def test_widths_are_drawn_where_something_is_reported() -> None:
     assert 2 == len(mean) and 4 == len(band)
     assert band[0][1] < mean[0][1] < band[3][1]
     assert mean[0][1] - band[0][1] == pytest.approx(band[3][1] - mean[0][1], abs=0.2)
-    assert "fewer than 3.0 / (vehicles that reported there) are wider, at 95 %" in drawn
+    assert "fewer than 3.0 / (their number in the run) are wider, at 95 %" in drawn
     assert "<style>" in with_style(drawn)
     assert width_along_line({"a": [at(1, 0.0)]}, 50_000, 0.95, "w") == ""
 

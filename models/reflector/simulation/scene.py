@@ -11,7 +11,7 @@ NOWHERE = "NONE"
 
 @dataclass(frozen=True)
 class OtherVehicle:
-    """Another vehicle on the track: the place of its end towards this one in each cycle, mm along the route.
+    """Another vehicle, on this track or beside it: the place of its end towards this one in each cycle, mm along the route.
 
     While it is ahead it sends a strong echo that shows no model, and hides the reflectors behind that end.
     """
